@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace cohort {
+
+/// One number from a field of absolute distances. The order is the predecessor's menu and the order
+/// of values in tile blobs: append only.
+enum class Metric : uint8_t {
+  kRms,             ///< sqrt(sum d^2 / n)
+  kMean,            ///< sum d / n
+  kGeometricMean,   ///< exp(sum ln d / n); 0 if any d is 0
+  kMin,
+  kMax,             ///< Directed Hausdorff distance.
+  kVariance,        ///< sum (d - mean)^2 / n; square units
+  kPercentile75,    ///< sorted[trunc(0.75 n - 0.5)], 0-based, ascending
+};
+inline constexpr int kMetricCount = 7;
+inline constexpr std::array<Metric, kMetricCount> kAllMetrics = {
+    Metric::kRms, Metric::kMean,     Metric::kGeometricMean, Metric::kMin,
+    Metric::kMax, Metric::kVariance, Metric::kPercentile75};
+
+/// "rms", "mean", "geometric-mean", "min", "max", "variance", "p75": command line and files.
+[[nodiscard]] std::string_view MetricName(Metric metric);
+/// "RMS distance", ...: titles of plots, without the unit.
+[[nodiscard]] std::string_view MetricTitle(Metric metric);
+/// Inverse of MetricName; empty if there is no such metric.
+[[nodiscard]] std::optional<Metric> MetricFromName(std::string_view name);
+
+/// All metrics of one field, indexed by Metric.
+using MetricValues = std::array<double, kMetricCount>;
+
+/// Metrics of a field of squared float32 distances (n >= 1): distances are the float32 roots, sums
+/// run in double in index order.
+/// Source: definitions of the predecessor (reference c7), geometric mean through logarithms.
+[[nodiscard]] MetricValues ComputeMetrics(std::span<const float> squared_distances);
+
+/// One metric of any non-negative values (n >= 1), as ComputeMetrics computes it from distances.
+[[nodiscard]] double ComputeMetric(Metric metric, std::span<const double> values);
+
+}  // namespace cohort

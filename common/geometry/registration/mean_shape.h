@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "common/geometry/registration/similarity.h"
+
+namespace cohort {
+
+/// Displacement of each reference vertex to its nearest vertex of one aligned mesh:
+/// u_k = nearest(k) - reference_k, 3 x n (n = reference vertices). Builds one index, n look-ups.
+///
+/// @param reference  3 x n, reference units.
+/// @param source  3 x m, source units.
+/// Source: thesis eq. 3.22-3.23.
+[[nodiscard]] Eigen::Matrix3Xd DisplacementToMesh(
+    const Eigen::Ref<const Eigen::Matrix3Xd>& reference,
+    const Eigen::Ref<const Eigen::Matrix3Xd>& source,
+    const Similarity& T_reference_source);
+
+/// reference_k + (1 / mesh_count) * sum of the partial sums, added in the given order.
+/// @param partial_sums  each 3 x n: sums of displacements of disjoint batches of meshes.
+/// @param mesh_count  meshes in all batches, >= 1.
+/// Source: thesis eq. 3.24.
+[[nodiscard]] Eigen::Matrix3Xd MoveByMeanDisplacement(
+    const Eigen::Ref<const Eigen::Matrix3Xd>& reference,
+    std::span<const Eigen::Matrix3Xd> partial_sums,
+    int64_t mesh_count);
+
+}  // namespace cohort

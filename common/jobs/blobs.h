@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <absl/status/statusor.h>
+
+#include "common/geometry/comparison/metrics.h"
+#include "common/geometry/registration/scaling_icp.h"
+
+namespace cohort {
+
+// What tasks write. Every blob begins with 8 bytes of magic and version; numbers are little-endian;
+// every Decode returns kDataLoss, naming the blob kind and what is wrong, for bytes that are cut
+// short, too long, or hold impossible counts.
+
+/// Alignment of one mesh of a job.
+struct MeshAlignment {
+  int32_t mesh = 0;  ///< Index in the job.
+  Alignment alignment;
+};
+/// "COHALGN1", uint64 count, count x { int32 mesh, int32 iterations, uint8 converged,
+/// int64 lookups, float64 rms, mean, scale, R (9, row by row), t (3) }.
+[[nodiscard]] std::string EncodeAlignmentBlob(const std::vector<MeshAlignment>& alignments);
+[[nodiscard]] absl::StatusOr<std::vector<MeshAlignment>> DecodeAlignmentBlob(std::string_view bytes);
+
+/// Sum of the displacements of some meshes.
+struct DisplacementSum {
+  int64_t mesh_count = 0;
+  Eigen::Matrix3Xd sum;  ///< 3 x n, n = reference vertices.
+};
+/// "COHDISP1", int64 mesh_count, uint64 n, 3 n float64.
+[[nodiscard]] std::string EncodeDisplacementBlob(const DisplacementSum& displacement);
+[[nodiscard]] absl::StatusOr<DisplacementSum> DecodeDisplacementBlob(std::string_view bytes);
+
+/// Metrics of all directed pairs sources x targets.
+struct MetricBlock {
+  std::vector<int32_t> sources;      ///< Job indices, rows.
+  std::vector<int32_t> targets;      ///< Job indices, columns.
+  std::vector<MetricValues> values;  ///< values[row * targets.size() + column].
+};
+/// "COHTILE1", uint64 blocks, each { uint64 rows, uint64 columns, uint64 metrics (7), int32 sources,
+/// int32 targets, float64 values }.
+[[nodiscard]] std::string EncodeTileBlob(const std::vector<MetricBlock>& blocks);
+[[nodiscard]] absl::StatusOr<std::vector<MetricBlock>> DecodeTileBlob(std::string_view bytes);
+
+/// Distances of each reference vertex to some aligned meshes.
+struct VariationPart {
+  std::vector<int32_t> meshes;  ///< Job indices.
+  Eigen::MatrixXf distances;    ///< n x meshes.
+  DisplacementSum displacement;
+};
+/// "COHVARI1", uint64 n, uint64 meshes, int32 indices, float32 distances (mesh by mesh),
+/// int64 mesh_count, 3 n float64.
+[[nodiscard]] std::string EncodeVariationBlob(const VariationPart& part);
+[[nodiscard]] absl::StatusOr<VariationPart> DecodeVariationBlob(std::string_view bytes);
+
+/// All metrics over the meshes, for each vertex of the mean shape.
+struct VariationSummary {
+  int64_t mesh_count = 0;
+  std::vector<MetricValues> values;  ///< One per vertex.
+};
+/// "COHSUMM1", int64 mesh_count, uint64 n, uint64 metrics (7), float64 values.
+[[nodiscard]] std::string EncodeSummaryBlob(const VariationSummary& summary);
+[[nodiscard]] absl::StatusOr<VariationSummary> DecodeSummaryBlob(std::string_view bytes);
+
+}  // namespace cohort

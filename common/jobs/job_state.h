@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/jobs/ids.h"
+#include "common/jobs/job_spec.h"
+#include "common/jobs/task.h"
+
+namespace cohort {
+
+enum class JobState : uint8_t { kQueued, kRunning, kSucceeded, kFailed, kCancelled };
+[[nodiscard]] std::string_view JobStateName(JobState state);  ///< "queued", "running", ...
+[[nodiscard]] std::optional<JobState> JobStateFromName(std::string_view name);
+[[nodiscard]] inline bool IsFinal(JobState state) {
+  return state == JobState::kSucceeded || state == JobState::kFailed ||
+         state == JobState::kCancelled;
+}
+
+/// A mesh of a set, as added.
+struct SetMesh {
+  std::string name;      ///< File name, unique in its set.
+  Digest raw;            ///< The file's bytes.
+  int64_t size_bytes = 0;
+  std::map<std::string, std::string> labels;  ///< "person" and any other columns of --labels.
+};
+
+/// Finished and known tasks, and how much of the expected cost is done.
+struct Progress {
+  std::string stage;  ///< Of the earliest unfinished task; empty when done.
+  int64_t tasks_done = 0;
+  int64_t tasks_total = 0;  ///< Rounds not planned yet are counted as announced.
+  double cost_done = 0;
+  double cost_total = 0;
+};
+
+/// Blobs that hold the results of a job that succeeded.
+struct JobOutputs {
+  std::vector<Digest> tiles;       ///< Tile blobs.
+  std::vector<Digest> alignments;  ///< Alignment blobs to the final reference (each: to the base).
+  Digest mean_shape;               ///< Mesh blob.
+  Digest summary;                  ///< Summary blob: per-vertex metrics on the mean shape.
+};
+
+/// A mesh of a job and what became of it.
+struct JobMesh {
+  SetMesh mesh;
+  std::optional<IngestedMesh> ingested;
+  std::string rejection;  ///< Why it is not in the results; empty if it is.
+};
+
+/// A job as everyone sees it.
+struct Job {
+  JobId id;
+  std::string set;
+  JobSpec spec;
+  JobState state = JobState::kQueued;
+  std::string error;     ///< Why it failed.
+  int64_t version = 0;   ///< Grows with every change of the job.
+  int64_t created_unix_ms = 0;
+  int64_t started_unix_ms = 0;   ///< 0: not yet.
+  int64_t finished_unix_ms = 0;  ///< 0: not yet.
+  int64_t meshes = 0;
+  int64_t rejected_meshes = 0;
+  Progress progress;
+  Counters counters;
+};
+
+[[nodiscard]] nlohmann::json ToJson(const JobOutputs& outputs);
+[[nodiscard]] absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json);
+
+}  // namespace cohort

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <absl/status/statusor.h>
+#include <nlohmann/json_fwd.hpp>
+
+#include "common/base/sha256.h"
+#include "common/geometry/mesh/mesh_health.h"
+#include "common/geometry/registration/scaling_icp.h"
+#include "common/jobs/ids.h"
+#include "common/jobs/job_spec.h"
+
+namespace cohort {
+
+enum class TaskKind : uint8_t {
+  kIngest,           ///< raw files -> canonical meshes and health reports
+  kPose,             ///< meshes, reference -> coarse poses
+  kAlign,            ///< meshes, reference, starts -> alignments, partial displacement sum
+  kAverage,          ///< reference, partial sums -> next reference
+  kCompare,          ///< two blocks of aligned meshes -> all metrics of their pairs, both directions
+  kAlignAndCompare,  ///< one target, all sources -> alignments, metrics (method each)
+  kVariation,        ///< reference, aligned meshes -> distances of each reference vertex to each mesh
+  kSummarize,        ///< variation blobs -> per-vertex metrics, mean shape
+};
+[[nodiscard]] std::string_view TaskKindName(TaskKind kind);  ///< "ingest", "pose", "align", ...
+
+/// A mesh as a task sees it.
+struct TaskMesh {
+  int32_t index = 0;  ///< Place in the job's order (by name), 0-based.
+  std::string name;   ///< File name, for messages.
+  Digest blob;        ///< kIngest: the raw file; all others: the canonical mesh.
+  friend bool operator==(const TaskMesh&, const TaskMesh&) = default;
+};
+
+/// What one worker slot does in one go. Pure: the same task gives the same bytes anywhere.
+struct Task {
+  TaskKind kind = TaskKind::kIngest;
+  int64_t number = 0;  ///< TaskId::number.
+  std::string stage;   ///< "ingest", "pose", "align 1", "average 1", ..., "compare", "summarize".
+  double cost = 1;     ///< Rough seconds, for progress and ETA.
+
+  std::vector<TaskMesh> meshes;   ///< Sources. kCompare: rows of the tile.
+  std::vector<TaskMesh> targets;  ///< kCompare: columns (equal to `meshes` on the diagonal);
+                                  ///< kAlignAndCompare: the one target.
+  Digest reference;               ///< Mesh blob; kPose, kAlign, kAverage, kVariation, kSummarize.
+  /// Alignment blobs that together hold `meshes` and `targets`; kAlign: the starts; kAlignAndCompare:
+  /// poses to the base mesh. Empty: identities.
+  std::vector<Digest> alignments;
+  std::vector<Digest> partials;  ///< kAverage: displacement blobs, kSummarize: variation blobs.
+
+  IcpOptions icp;            ///< kAlign, kAlignAndCompare.
+  int position_bits = 18;    ///< kIngest.
+  bool wants_displacement = false;   ///< kAlign: also write the partial displacement sum.
+  bool counts_reference_index = false;  ///< The first task of a stage counts the index that all of
+                                        ///< them need, so that counts do not depend on who ran it.
+  bool moves_reference = false;  ///< kSummarize: the mean shape is reference + mean displacement.
+  std::array<double, 3> frame_center{};  ///< kCompare: subtracted before distances become float32.
+};
+
+/// Work done, counted as the algorithm needs it (not as caches happened to save it).
+struct WorkCounters {
+  int64_t index_builds = 0;
+  int64_t lookups = 0;
+  friend bool operator==(const WorkCounters&, const WorkCounters&) = default;
+  WorkCounters& operator+=(const WorkCounters& other) {
+    index_builds += other.index_builds;
+    lookups += other.lookups;
+    return *this;
+  }
+};
+
+/// Counters of one task or one job. The thesis's tables 5.4-5.5 count align + average.
+struct Counters {
+  WorkCounters pose;
+  WorkCounters align;
+  WorkCounters average;    ///< Nearest vertices of the reference on each aligned mesh, M rounds.
+  WorkCounters compare;
+  WorkCounters variation;
+  int64_t pairs = 0;       ///< Directed pairs measured.
+  friend bool operator==(const Counters&, const Counters&) = default;
+  Counters& operator+=(const Counters& other);
+};
+
+/// A mesh that a task took out of the job, and why.
+struct MeshRejection {
+  int32_t index = 0;
+  std::string reason;  ///< One line for people.
+  friend bool operator==(const MeshRejection&, const MeshRejection&) = default;
+};
+
+/// A mesh that ingest accepted.
+struct IngestedMesh {
+  int32_t index = 0;
+  Digest blob;  ///< Canonical mesh.
+  int64_t vertices = 0;  ///< Of the canonical mesh.
+  int64_t faces = 0;
+  std::array<double, 3> centroid{};  ///< Of the canonical vertices.
+  MeshHealth health;     ///< Of the file.
+};
+
+/// What a finished task tells the server.
+struct TaskResult {
+  /// kIngest: empty. kPose, kAlign: alignment blob. kAverage: mesh blob. kCompare: tile blob.
+  /// kAlignAndCompare: tile blob. kVariation: variation blob. kSummarize: summary blob.
+  Digest output;
+  Digest second_output;  ///< kAlign: displacement blob, if wanted. kAlignAndCompare: alignment blob.
+                         ///< kSummarize: mean shape as mesh blob.
+  std::vector<IngestedMesh> ingested;     ///< kIngest.
+  std::vector<MeshRejection> rejections;  ///< kIngest, kPose, kAlign.
+  Counters counters;
+  double seconds = 0;  ///< Time the worker took; never part of a result.
+};
+
+[[nodiscard]] nlohmann::json ToJson(const MeshHealth& health);
+[[nodiscard]] nlohmann::json ToJson(const Counters& counters);
+[[nodiscard]] nlohmann::json ToJson(const TaskResult& result);
+/// @return kDataLoss naming the field.
+[[nodiscard]] absl::StatusOr<TaskResult> TaskResultFromJson(const nlohmann::json& json);
+
+}  // namespace cohort

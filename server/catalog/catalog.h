@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "common/jobs/job_state.h"
+#include "common/jobs/task.h"
+
+namespace cohort {
+
+/// A named set of meshes.
+struct MeshSet {
+  std::string name;
+  int64_t meshes = 0;
+  int64_t size_bytes = 0;
+};
+
+/// One page of a listing; `next_token` is empty on the last.
+template <typename T>
+struct Page {
+  std::vector<T> items;
+  std::string next_token;
+};
+
+/// A task as it outlives the server.
+struct TaskRecord {
+  int64_t number = 0;
+  int64_t epoch = 0;
+  int failures = 0;
+  int losses = 0;
+  std::string worker;                ///< Empty: not leased.
+  std::optional<TaskResult> result;  ///< Set when done.
+  std::string last_error;
+};
+
+/// All that the server must not lose, in SQL. What a call acknowledged survives a crash
+/// (SQLite: WAL, synchronous=FULL). Every error names the database file and SQLite's reason:
+/// kResourceExhausted when the disk is full, kDataLoss when the file is damaged, else kUnavailable.
+/// Thread-safe: calls take turns.
+class Catalog {
+ public:
+  /// Opens or creates `file`; takes the lock file beside it.
+  /// @return kFailedPrecondition if another server has it, or its version is newer than ours;
+  ///         kDataLoss if it is damaged or not ours.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<Catalog>> Open(
+      const std::filesystem::path& file);
+  ~Catalog();
+  Catalog(const Catalog&) = delete;
+  Catalog& operator=(const Catalog&) = delete;
+
+  /// Adds a mesh, or changes its labels if the same bytes are there under that name.
+  /// @return kAlreadyExists if the set has other bytes under that name.
+  [[nodiscard]] absl::Status AddMesh(const std::string& set, const SetMesh& mesh);
+  /// Sets by name. @param page_size >= 1; `token` as returned, or empty.
+  [[nodiscard]] absl::StatusOr<Page<MeshSet>> ListSets(int page_size, const std::string& token);
+  /// Meshes by name, bytewise. @return kNotFound naming the set.
+  [[nodiscard]] absl::StatusOr<Page<SetMesh>> ListMeshes(const std::string& set,
+                                                         int page_size,
+                                                         const std::string& token);
+
+  /// What ingest made of raw files, by digest and quantisation (indices are not set).
+  [[nodiscard]] absl::StatusOr<std::optional<IngestedMesh>> FindIngested(const Digest& raw,
+                                                                         int position_bits);
+  [[nodiscard]] absl::Status RecordIngested(const Digest& raw,
+                                            int position_bits,
+                                            const IngestedMesh& mesh);
+
+  /// Creates a job over a snapshot of `meshes`, in that order; fills in id and times of `job`.
+  /// A job of the same non-empty `request_id` exists: returns that one instead.
+  /// @param now_unix_ms  creation time.
+  [[nodiscard]] absl::StatusOr<Job> CreateJob(const Job& job,
+                                              const std::vector<SetMesh>& meshes,
+                                              const std::string& request_id,
+                                              int64_t now_unix_ms);
+  /// Writes everything of the job that can change (state, error, version, times, progress,
+  /// counters, rejected count).
+  [[nodiscard]] absl::Status UpdateJob(const Job& job);
+  /// With `outputs` and the fate of each mesh, once a job has ended.
+  [[nodiscard]] absl::Status FinishJob(const Job& job,
+                                       const JobOutputs& outputs,
+                                       const std::vector<JobMesh>& meshes);
+  /// @return kNotFound naming the job.
+  [[nodiscard]] absl::StatusOr<Job> GetJob(const JobId& id);
+  [[nodiscard]] absl::StatusOr<JobOutputs> GetOutputs(const JobId& id);
+  /// In the job's order. @return kNotFound naming the job.
+  [[nodiscard]] absl::StatusOr<std::vector<JobMesh>> GetJobMeshes(const JobId& id);
+  /// Newest first.
+  [[nodiscard]] absl::StatusOr<Page<Job>> ListJobs(int page_size, const std::string& token);
+  /// Jobs not in a final state, oldest first: what a restarted server goes on with.
+  [[nodiscard]] absl::StatusOr<std::vector<Job>> UnfinishedJobs();
+
+  /// Writes leases or failures of tasks of one job, all or none.
+  [[nodiscard]] absl::Status SaveTasks(const JobId& job, const std::vector<TaskRecord>& tasks);
+  /// By number.
+  [[nodiscard]] absl::StatusOr<std::vector<TaskRecord>> LoadTasks(const JobId& job);
+  /// Several of the above as one transaction: all of it or nothing.
+  [[nodiscard]] absl::Status SaveCompletion(const Job& job,
+                                            const TaskRecord& task,
+                                            const std::vector<std::pair<Digest, IngestedMesh>>& ingested);
+
+ private:
+  class Impl;
+  explicit Catalog(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cohort

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "common/jobs/job_state.h"
+#include "common/jobs/task.h"
+
+namespace cohort {
+
+/// What a job still needs: which tasks are ready now, and what finishing one makes ready.
+///
+/// Pure and deterministic: no clock, no I/O, no knowledge of workers. Feeding the same results in
+/// any order ends in the same plan, with the same task numbers. Not thread-safe; the coordinator's
+/// lock covers it.
+class JobPlan {
+ public:
+  /// @param meshes  in the job's order (by name, bytewise), names unique.
+  /// @param known  results of earlier ingests by raw digest and position bits; may be empty. Such
+  ///               meshes get no ingest task.
+  /// @return kInvalidArgument if the spec is invalid, there are no meshes (fewer than 2), or the
+  ///         base is not among them.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<JobPlan>> Create(
+      const JobSpec& spec,
+      const std::vector<SetMesh>& meshes,
+      const std::vector<IngestedMesh>& known);
+  virtual ~JobPlan() = default;
+
+  /// Tasks whose inputs exist and which were not returned before, in the order to start them.
+  [[nodiscard]] virtual std::vector<Task> TakeReadyTasks() = 0;
+
+  /// Records one result. A second result for the same task is ignored (tasks run at least once).
+  /// @return kNotFound if the task is not of this plan; kFailedPrecondition if the job cannot go on
+  ///         (fewer than 2 meshes left, base rejected, meshes in different units): the message is
+  ///         the job's error, naming the meshes.
+  [[nodiscard]] virtual absl::Status TaskFinished(int64_t number, const TaskResult& result) = 0;
+
+  [[nodiscard]] virtual bool Done() const = 0;
+  [[nodiscard]] virtual Progress CurrentProgress() const = 0;
+  [[nodiscard]] virtual const Counters& TotalCounters() const = 0;
+  /// In the job's order, with what is known of each so far.
+  [[nodiscard]] virtual const std::vector<JobMesh>& Meshes() const = 0;
+  /// Valid when Done().
+  [[nodiscard]] virtual const JobOutputs& Outputs() const = 0;
+};
+
+}  // namespace cohort
