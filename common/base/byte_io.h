@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 namespace cohort {
 
@@ -58,6 +59,9 @@ class ByteReader {
     static_assert(std::is_arithmetic_v<T>);
     if (rest_.size() < values.size_bytes()) {
       return false;
+    }
+    if (values.empty()) {
+      return true;  // memcpy must not see the null pointer of an empty span.
     }
     std::memcpy(values.data(), rest_.data(), values.size_bytes());
     rest_.remove_prefix(values.size_bytes());

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
+#include <utility>
 
 #include <openssl/evp.h>
 
@@ -22,8 +24,11 @@ struct Sha256::State {
   EVP_MD_CTX* context = EVP_MD_CTX_new();
 };
 
+// OpenSSL's SHA-256 fails only without memory or without the algorithm: the asserts keep a wrong
+// digest from naming anything.
 Sha256::Sha256() : state_(std::make_unique<State>()) {
-  EVP_DigestInit_ex(state_->context, EVP_sha256(), nullptr);
+  [[maybe_unused]] const int started = EVP_DigestInit_ex(state_->context, EVP_sha256(), nullptr);
+  assert(started == 1);
 }
 
 Sha256::~Sha256() {
@@ -31,13 +36,16 @@ Sha256::~Sha256() {
 }
 
 void Sha256::Update(std::string_view bytes) {
-  EVP_DigestUpdate(state_->context, bytes.data(), bytes.size());
+  [[maybe_unused]] const int updated =
+      EVP_DigestUpdate(state_->context, bytes.data(), bytes.size());
+  assert(updated == 1);
 }
 
 Digest Sha256::Finish() {
   std::array<unsigned char, EVP_MAX_MD_SIZE> raw{};
   unsigned int size = 0;
-  EVP_DigestFinal_ex(state_->context, raw.data(), &size);
+  [[maybe_unused]] const int finished = EVP_DigestFinal_ex(state_->context, raw.data(), &size);
+  assert(finished == 1 && size == 32);
   constexpr std::string_view kHexDigits = "0123456789abcdef";
   std::string hex;
   hex.reserve(2 * size);

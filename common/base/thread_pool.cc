@@ -1,6 +1,7 @@
 #include "common/base/thread_pool.h"
 
 #include <cassert>
+#include <utility>
 
 namespace cohort {
 
@@ -32,11 +33,18 @@ void ThreadPool::ParallelFor(int64_t count, const std::function<void(int64_t)>& 
   }
   work_.NotifyAll();
   Drain();
-  MutexLock lock(mutex_);
-  while (running_ > 0) {
-    done_.Wait(mutex_);
+  std::exception_ptr thrown;
+  {
+    MutexLock lock(mutex_);
+    while (running_ > 0) {
+      done_.Wait(mutex_);
+    }
+    body_ = nullptr;
+    thrown = std::exchange(thrown_, nullptr);
   }
-  body_ = nullptr;
+  if (thrown != nullptr) {
+    std::rethrow_exception(thrown);
+  }
 }
 
 void ThreadPool::RunHelper() {
@@ -67,10 +75,19 @@ void ThreadPool::Drain() {
       index = next_++;
       ++running_;
     }
-    (*body)(index);
+    std::exception_ptr thrown;
+    try {
+      (*body)(index);
+    } catch (...) {
+      thrown = std::current_exception();
+    }
     {
       MutexLock lock(mutex_);
       --running_;
+      if (thrown != nullptr) {
+        thrown_ = thrown;
+        next_ = count_;
+      }
       if (running_ == 0 && next_ >= count_) {
         done_.NotifyAll();
       }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <thread>
 #include <vector>
@@ -20,6 +21,8 @@ class ThreadPool final : public Executor {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
+  /// What a body throws (a library's exception: ours throw none) ends the loop early and is thrown
+  /// on to the caller, as by SerialExecutor, once no body runs any more.
   void ParallelFor(int64_t count, const std::function<void(int64_t)>& body) override;
 
  private:
@@ -35,6 +38,7 @@ class ThreadPool final : public Executor {
   int64_t next_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t count_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t running_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::exception_ptr thrown_ ABSL_GUARDED_BY(mutex_);  ///< By a body of the current loop.
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::vector<std::thread> threads_;
 };

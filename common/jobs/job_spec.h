@@ -34,7 +34,7 @@ enum class Symmetrization {
 /// Everything that determines the numbers of a job, apart from its meshes.
 struct JobSpec {
   Method method = Method::kAverage;
-  std::string base;  ///< Mesh name of the first reference; empty: the first mesh by name.
+  std::string base;  ///< Mesh name of the first reference; empty: the first usable mesh by name.
   int rounds = 3;    ///< M, updates of the mean shape (method average), 1..100.
   PoseMode pose = PoseMode::kPrincipalAxes;
   IcpOptions icp;
@@ -59,7 +59,8 @@ struct JobSpec {
 [[nodiscard]] std::optional<Method> MethodFromName(std::string_view name);
 [[nodiscard]] std::string_view PoseModeName(PoseMode pose);  ///< "principal-axes", "none".
 [[nodiscard]] std::optional<PoseMode> PoseModeFromName(std::string_view name);
-[[nodiscard]] std::string_view SymmetrizationName(Symmetrization value);  ///< "mean", "max", "directed".
+[[nodiscard]] std::string_view SymmetrizationName(
+    Symmetrization value);  ///< "mean", "max", "directed".
 [[nodiscard]] std::optional<Symmetrization> SymmetrizationFromName(std::string_view name);
 
 /// As kept in the catalog and shown in job.json.

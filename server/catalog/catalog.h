@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -13,6 +14,8 @@
 #include "common/jobs/task.h"
 
 namespace cohort {
+
+class Database;
 
 /// A named set of meshes.
 struct MeshSet {
@@ -100,14 +103,14 @@ class Catalog {
   /// By number.
   [[nodiscard]] absl::StatusOr<std::vector<TaskRecord>> LoadTasks(const JobId& job);
   /// Several of the above as one transaction: all of it or nothing.
-  [[nodiscard]] absl::Status SaveCompletion(const Job& job,
-                                            const TaskRecord& task,
-                                            const std::vector<std::pair<Digest, IngestedMesh>>& ingested);
+  [[nodiscard]] absl::Status SaveCompletion(
+      const Job& job,
+      const TaskRecord& task,
+      const std::vector<std::pair<Digest, IngestedMesh>>& ingested);
 
  private:
-  class Impl;
-  explicit Catalog(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit Catalog(std::unique_ptr<Database> database);
+  std::unique_ptr<Database> database_;
 };
 
 }  // namespace cohort

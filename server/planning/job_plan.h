@@ -18,10 +18,14 @@ namespace cohort {
 class JobPlan {
  public:
   /// @param meshes  in the job's order (by name, bytewise), names unique.
-  /// @param known  results of earlier ingests by raw digest and position bits; may be empty. Such
-  ///               meshes get no ingest task.
-  /// @return kInvalidArgument if the spec is invalid, there are no meshes (fewer than 2), or the
-  ///         base is not among them.
+  /// @param known  results of earlier ingests by raw digest and position bits, with their index in
+  ///               `meshes`; may be empty. Such meshes get no ingest task. Task numbers do not
+  ///               depend on it: a plan made again after a restart, when more is known, fits its
+  ///               results.
+  /// @return kInvalidArgument if the spec is invalid, there are fewer than 2 meshes, they are not
+  /// in
+  ///         order, the base is not among them, or `known` does not fit them; kFailedPrecondition
+  ///         as TaskFinished if all meshes are known.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<JobPlan>> Create(
       const JobSpec& spec,
       const std::vector<SetMesh>& meshes,
@@ -31,10 +35,12 @@ class JobPlan {
   /// Tasks whose inputs exist and which were not returned before, in the order to start them.
   [[nodiscard]] virtual std::vector<Task> TakeReadyTasks() = 0;
 
-  /// Records one result. A second result for the same task is ignored (tasks run at least once).
-  /// @return kNotFound if the task is not of this plan; kFailedPrecondition if the job cannot go on
-  ///         (fewer than 2 meshes left, base rejected, meshes in different units): the message is
-  ///         the job's error, naming the meshes.
+  /// Records one result, also of a task that was not taken yet (restart). A second result for the
+  /// same task is ignored (tasks run at least once).
+  /// @return kNotFound if the task is not of this plan, or of a stage not reached yet;
+  ///         kInvalidArgument if the result does not fit the task (nothing is recorded);
+  ///         kFailedPrecondition if the job cannot go on (fewer than 2 meshes left, base rejected,
+  ///         meshes in different units): the message is the job's error, naming the meshes.
   [[nodiscard]] virtual absl::Status TaskFinished(int64_t number, const TaskResult& result) = 0;
 
   [[nodiscard]] virtual bool Done() const = 0;

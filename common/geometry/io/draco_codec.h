@@ -10,7 +10,8 @@
 namespace cohort {
 
 struct DracoOptions {
-  int position_bits = 18;  ///< 8..30; error <= half a step = longest box side / 2^bits / 2.
+  /// 8..30; error <= half a step = longest box side / (2^bits - 1) / 2, and float32 rounding.
+  int position_bits = 18;
   [[nodiscard]] absl::Status Validate() const;
 };
 

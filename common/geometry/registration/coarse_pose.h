@@ -13,16 +13,21 @@ namespace cohort {
 /// Where a mesh was put before ICP, and what it cost.
 struct CoarsePose {
   Similarity T_target_source;  ///< Rigid.
-  double score = 0;            ///< RMS of the winner on the sampled points, target units.
-  int64_t lookups = 0;
+  /// RMS of the winner on the sampled points of both meshes, without the farthest 15 %, target
+  /// units.
+  double score = 0;
+  int64_t lookups = 0;  ///< Among sampled points; none of them searches `target`.
 };
 
 /// Rigid start for ICP between meshes in any pose.
 ///
-/// Candidates: the given pose with centroids brought together, and every proper rotation that maps
-/// the principal axes of the source onto those of the target (24). Each is improved by a few rigid
-/// ICP passes on a few hundred source points spread over the surface; the best go on with more
-/// points; the lowest RMS wins, the earlier candidate on a tie. Deterministic.
+/// Candidates, with centroids brought together: the given pose, the 24 proper rotations that map
+/// the principal axes of the source onto those of the target, and 48 turns in between
+/// (icosahedral). Each is improved by a few passes of rigid trimmed ICP, both ways, on points
+/// spread over the two surfaces; the best different ones go on with more points; the lowest RMS
+/// wins, the earlier candidate on a tie. The given pose must be 5 % better than the others, so that
+/// the result does not depend on it unless the shape cannot tell. The cost does not depend on the
+/// sizes: some 150000 look-ups among 100 to 600 points. Deterministic.
 /// @param target_mesh  the mesh behind `target`.
 /// @return kFailedPrecondition if either has no extent.
 /// Source: ours.

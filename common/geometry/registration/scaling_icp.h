@@ -40,28 +40,27 @@ class IcpTarget {
 /// Similarity and how well it converged.
 struct Alignment {
   Similarity T_target_source;
-  int iterations = 0;       ///< Passes = look-ups / vertices.
-  bool converged = false;   ///< The stop rule held before max_iterations was reached.
-  /// Of the last pass: source vertices, moved by T_target_source, to the vertices of the target that
-  /// were nearest before that move. No extra look-up is spent on it.
+  int iterations = 0;      ///< Passes = look-ups / vertices.
+  bool converged = false;  ///< The stop rule held before max_iterations was reached.
+  /// Of the last pass: source vertices, moved by T_target_source, to the vertices of the target
+  /// that were nearest before that move. No extra look-up is spent on it.
   double rms_residual = 0;
   double mean_residual = 0;
-  int64_t lookups = 0;      ///< Nearest-vertex queries made.
+  int64_t lookups = 0;  ///< Nearest-vertex queries made.
 };
 
 /// Scaling ICP: repeat { nearest vertex of each source vertex, closed-form similarity }.
 ///
-/// Each pass fits the absolute similarity from the untransformed source, so that no drift builds up;
-/// the squared error never rises (Besl, McKay 1992).
+/// Each pass fits the absolute similarity from the untransformed source, so that no drift builds
+/// up; the squared error never rises (Besl, McKay 1992).
 /// @param source  3 x n, n >= 3, source units.
 /// @param T_target_source  the start.
 /// @return kInvalidArgument for bad options or n < 3; kFailedPrecondition if the fit is impossible
 ///         or the scale leaves [0.1, 10] times the start (collapse).
 /// Source: Besl, McKay 1992; Horn 1987; thesis section 3.2.
-[[nodiscard]] absl::StatusOr<Alignment> AlignByIcp(
-    const Eigen::Ref<const Eigen::Matrix3Xd>& source,
-    const IcpTarget& target,
-    const Similarity& T_target_source,
-    const IcpOptions& options);
+[[nodiscard]] absl::StatusOr<Alignment> AlignByIcp(const Eigen::Ref<const Eigen::Matrix3Xd>& source,
+                                                   const IcpTarget& target,
+                                                   const Similarity& T_target_source,
+                                                   const IcpOptions& options);
 
 }  // namespace cohort

@@ -8,9 +8,9 @@ namespace cohort {
 
 /// x_target = scale * rotation * x_source + translation; written T_target_source.
 struct Similarity {
-  double scale = 1.0;                                             ///< Unitless, > 0.
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();         ///< det = +1.
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();          ///< Target units.
+  double scale = 1.0;                                      ///< Unitless, > 0.
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< det = +1.
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();   ///< Target units.
 
   /// 3 x n in, 3 x n out.
   [[nodiscard]] Eigen::Matrix3Xd Apply(const Eigen::Ref<const Eigen::Matrix3Xd>& points) const;

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <absl/status/statusor.h>
+
+#include "client/session.h"
+
+namespace cohort {
+
+/// What the chosen subcommand will do: returns the exit code, or the error that becomes one.
+using Action = std::function<absl::StatusOr<int>()>;
+
+/// Options shared by the commands that talk to a server.
+struct ServerFlags {
+  std::string server = "127.0.0.1:7450";
+  bool json = false;
+
+  /// Adds --server (or COHORT_SERVER in the environment) and --json.
+  void AddTo(CLI::App& command);
+  [[nodiscard]] absl::StatusOr<std::unique_ptr<Session>> Connect() const;
+};
+
+// One function per subcommand: declares its options and sets `action` when it is chosen.
+void AddRunCommand(CLI::App& app, Action& action);
+void AddServeCommand(CLI::App& app, Action& action);
+void AddWorkCommand(CLI::App& app, Action& action);
+void AddAddCommand(CLI::App& app, Action& action);
+void AddSubmitCommand(CLI::App& app, Action& action);
+void AddStatusCommand(CLI::App& app, Action& action);
+void AddWatchCommand(CLI::App& app, Action& action);
+void AddJobsCommand(CLI::App& app, Action& action);
+void AddCancelCommand(CLI::App& app, Action& action);
+void AddResultsCommand(CLI::App& app, Action& action);
+void AddDemoCommand(CLI::App& app, Action& action);
+
+/// Follows a job until it has ended, showing its progress on stderr.
+/// @return the job; as Session::WatchJob.
+[[nodiscard]] absl::StatusOr<Job> FollowJob(Session& session, const JobId& id);
+
+/// The exit code for a job that has ended (kExitOk, kExitRejected, kExitJobFailed, kExitCancelled).
+/// Prints the job's error to stderr.
+[[nodiscard]] int ExitCodeOfJob(const Job& job);
+
+}  // namespace cohort

@@ -1,0 +1,185 @@
+// Commands about jobs on a server: submit, status, watch, jobs, cancel, results.
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <random>
+
+#include <nlohmann/json.hpp>
+
+#include "client/commands/command.h"
+#include "client/job_flags.h"
+#include "client/output/exit_codes.h"
+#include "client/output/job_text.h"
+#include "client/results_folder.h"
+#include "common/base/status_macros.h"
+
+namespace cohort {
+namespace {
+
+struct JobCommandFlags {
+  ServerFlags server;
+  std::string job;
+  std::string set;
+  std::string out;
+  std::string metric;
+  std::string request_id;
+  JobFlags spec;
+  bool wait = false;
+  int limit = 20;
+};
+
+void Print(const ServerFlags& flags, const Job& job) {
+  std::cout << (flags.json ? JobToJson(job).dump(2) + "\n" : JobToText(job));
+}
+
+std::string RandomId() {
+  std::random_device random;
+  std::string id;
+  for (int i = 0; i < 4; ++i) {
+    id += std::to_string(random());
+  }
+  return id;
+}
+
+absl::StatusOr<int> Submit(const JobCommandFlags& flags) {
+  COHORT_ASSIGN_OR_RETURN(const JobSpec spec, flags.spec.ToSpec());
+  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, flags.server.Connect());
+  // With an id of its own, a request that has to be repeated cannot start a second job.
+  const std::string request_id = flags.request_id.empty() ? RandomId() : flags.request_id;
+  COHORT_ASSIGN_OR_RETURN(Job job, session->CreateJob(flags.set, spec, request_id));
+  if (!flags.wait) {
+    if (flags.server.json) {
+      Print(flags.server, job);
+    } else {
+      std::cout << job.id.value << "\n";
+    }
+    return kExitOk;
+  }
+  COHORT_ASSIGN_OR_RETURN(job, FollowJob(*session, job.id));
+  Print(flags.server, job);
+  return ExitCodeOfJob(job);
+}
+
+absl::StatusOr<int> ShowStatus(const JobCommandFlags& flags) {
+  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, flags.server.Connect());
+  COHORT_ASSIGN_OR_RETURN(const Job job, session->GetJob(JobId{flags.job}));
+  Print(flags.server, job);
+  return kExitOk;
+}
+
+absl::StatusOr<int> Watch(const JobCommandFlags& flags) {
+  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, flags.server.Connect());
+  COHORT_ASSIGN_OR_RETURN(const Job job, FollowJob(*session, JobId{flags.job}));
+  Print(flags.server, job);
+  return ExitCodeOfJob(job);
+}
+
+absl::StatusOr<int> List(const JobCommandFlags& flags) {
+  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, flags.server.Connect());
+  COHORT_ASSIGN_OR_RETURN(const std::vector<Job> jobs, session->ListJobs(flags.limit));
+  if (!flags.server.json) {
+    std::cout << (jobs.empty() ? "no jobs yet\n" : JobsToTable(jobs));
+    return kExitOk;
+  }
+  nlohmann::json list = nlohmann::json::array();
+  for (const Job& job : jobs) {
+    list.push_back(JobToJson(job));
+  }
+  std::cout << list.dump(2) << "\n";
+  return kExitOk;
+}
+
+absl::StatusOr<int> Cancel(const JobCommandFlags& flags) {
+  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, flags.server.Connect());
+  COHORT_ASSIGN_OR_RETURN(const Job job, session->CancelJob(JobId{flags.job}));
+  Print(flags.server, job);
+  return kExitOk;
+}
+
+absl::StatusOr<int> Results(const JobCommandFlags& flags) {
+  std::optional<Metric> metric;
+  if (!flags.metric.empty()) {
+    metric = MetricFromName(flags.metric);
+    if (!metric) {
+      return absl::InvalidArgumentError("--metric " + flags.metric +
+                                        ": expected rms, mean, geometric-mean, min, max, variance "
+                                        "or p75");
+    }
+  }
+  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, flags.server.Connect());
+  COHORT_ASSIGN_OR_RETURN(const ResultsDigest results,
+                          WriteResults(*session, JobId{flags.job}, metric, flags.out));
+  std::cout << (flags.server.json ? ResultsToJson(results, flags.out).dump(2) + "\n"
+                                  : ResultsToText(results, flags.out));
+  return ExitCodeOfJob(results.job);
+}
+
+/// A subcommand with its flags; `run` is what it does.
+std::pair<CLI::App*, std::shared_ptr<JobCommandFlags>> AddCommand(
+    CLI::App& app,
+    Action& action,
+    const std::string& name,
+    const std::string& description,
+    absl::StatusOr<int> (*run)(const JobCommandFlags&)) {
+  CLI::App* command = app.add_subcommand(name, description);
+  const auto flags = std::make_shared<JobCommandFlags>();
+  flags->server.AddTo(*command);
+  command->callback([flags, run, &action] { action = [flags, run] { return run(*flags); }; });
+  return {command, flags};
+}
+
+void AddJobArgument(CLI::App& command, JobCommandFlags& flags) {
+  command.add_option("job", flags.job, "job id, e.g. j-000001")->required();
+}
+
+}  // namespace
+
+void AddSubmitCommand(CLI::App& app, Action& action) {
+  const auto [command, flags] =
+      AddCommand(app, action, "submit", "start a job over a set; prints its id", Submit);
+  command->add_option("--set", flags->set, "name of the set")->required();
+  command->add_flag("--wait", flags->wait, "follow the job until it has ended");
+  command->add_option("--request-id", flags->request_id,
+                      "a second submission with the same id returns the first one's job");
+  flags->spec.AddTo(*command);
+  command->footer("Example: cohort submit --set brno-2016 --method average --wait");
+}
+
+void AddStatusCommand(CLI::App& app, Action& action) {
+  const auto [command, flags] = AddCommand(app, action, "status", "show a job", ShowStatus);
+  AddJobArgument(*command, *flags);
+  command->footer("Example: cohort status j-000001 --json");
+}
+
+void AddWatchCommand(CLI::App& app, Action& action) {
+  const auto [command, flags] =
+      AddCommand(app, action, "watch", "follow a job until it has ended", Watch);
+  AddJobArgument(*command, *flags);
+  command->footer("Ctrl-C ends the watching, not the job.\nExample: cohort watch j-000001");
+}
+
+void AddJobsCommand(CLI::App& app, Action& action) {
+  const auto [command, flags] = AddCommand(app, action, "jobs", "list jobs, newest first", List);
+  command->add_option("--limit", flags->limit, "at most this many")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->footer("Example: cohort jobs --limit 5");
+}
+
+void AddCancelCommand(CLI::App& app, Action& action) {
+  const auto [command, flags] = AddCommand(app, action, "cancel", "stop a job", Cancel);
+  AddJobArgument(*command, *flags);
+  command->footer("Example: cohort cancel j-000001");
+}
+
+void AddResultsCommand(CLI::App& app, Action& action) {
+  const auto [command, flags] =
+      AddCommand(app, action, "results", "write the results of a job into a folder", Results);
+  AddJobArgument(*command, *flags);
+  command->add_option("--out", flags->out, "folder; made if new")->required();
+  command->add_option("--metric", flags->metric,
+                      "another metric than the job's; nothing is computed anew");
+  command->footer("Example: cohort results j-000001 --out results --metric p75");
+}
+
+}  // namespace cohort

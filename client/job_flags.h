@@ -1,0 +1,34 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <absl/status/statusor.h>
+
+#include <optional>
+#include <string>
+
+#include "common/jobs/job_spec.h"
+
+namespace cohort {
+
+/// The options of a job on the command line: a preset, and what differs from it.
+struct JobFlags {
+  std::string preset = "default";
+  std::string method = "average";
+  std::optional<std::string> base;
+  std::optional<int> rounds;
+  std::optional<std::string> pose;
+  std::optional<std::string> scale;
+  std::optional<int> max_iterations;
+  std::optional<double> tolerance;
+  std::optional<std::string> metric;
+  std::optional<std::string> symmetrize;
+  std::optional<int> neighbours;
+  std::optional<int> position_bits;
+  std::optional<double> size_ratio_limit;
+
+  void AddTo(CLI::App& command);
+  /// @return kInvalidArgument naming the option and what was expected.
+  [[nodiscard]] absl::StatusOr<JobSpec> ToSpec() const;
+};
+
+}  // namespace cohort

@@ -1,0 +1,133 @@
+#include "client/local_cluster.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+#include "common/base/status_macros.h"
+
+namespace cohort {
+namespace {
+
+constexpr int kMaxRestarts = 5;
+constexpr std::chrono::milliseconds kSuperviseStep(100);
+constexpr double kStopSeconds = 6;
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<LocalCluster>> LocalCluster::Start(
+    const LocalClusterOptions& options) {
+  std::unique_ptr<LocalCluster> cluster(new LocalCluster(options));
+  // Not in the data folder: a socket's path may have 107 bytes at most.
+  std::string socket_dir = (std::filesystem::temp_directory_path() / "cohort-XXXXXX").string();
+  if (mkdtemp(socket_dir.data()) == nullptr) {
+    return absl::UnavailableError("cannot create a folder " + socket_dir + " for the socket");
+  }
+  cluster->socket_dir_ = socket_dir;
+  cluster->address_ = "unix:" + socket_dir + "/server.sock";
+  const std::string parent = std::to_string(getpid());
+  COHORT_RETURN_IF_ERROR(cluster->StartMember(
+      "server", "cohort-server",
+      {"--data", options.data_dir.string(), "--listen", cluster->address_, "--lease-seconds", "10",
+       "--exit-with-parent", parent}));
+  const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const int threads =
+      options.threads > 0 ? options.threads : std::max(1, processors / options.workers);
+  for (int i = 1; i <= options.workers; ++i) {
+    COHORT_RETURN_IF_ERROR(cluster->StartMember(
+        "worker-" + std::to_string(i), "cohort-worker",
+        {"--server", cluster->address_, "--store", (options.data_dir / "blobs").string(),
+         "--threads", std::to_string(threads), "--drain-seconds", "1", "--exit-with-parent",
+         parent}));
+  }
+  cluster->supervisor_ = std::thread([raw = cluster.get()] { raw->Supervise(); });
+  return cluster;
+}
+
+absl::Status LocalCluster::StartMember(const std::string& name,
+                                       const std::string& program,
+                                       const std::vector<std::string>& arguments) {
+  const std::filesystem::path path = SiblingProgram(program);
+  COHORT_ASSIGN_OR_RETURN(ChildProcess process, ChildProcess::Start(path, arguments, LogOf(name)));
+  MutexLock lock(mutex_);
+  members_.push_back({.name = name,
+                      .program = path,
+                      .arguments = arguments,
+                      .process = std::move(process)});
+  return absl::OkStatus();
+}
+
+std::filesystem::path LocalCluster::LogOf(const std::string& name) const {
+  return options_.data_dir / (name + ".log");
+}
+
+void LocalCluster::Supervise() {
+  while (!stopping_) {
+    {
+      MutexLock lock(mutex_);
+      for (Member& member : members_) {
+        RestartIfDead(member);
+      }
+    }
+    std::this_thread::sleep_for(kSuperviseStep);
+  }
+}
+
+void LocalCluster::RestartIfDead(Member& member) {
+  const std::optional<std::string> end = member.process.Ended();
+  if (!end || !health_.ok()) {
+    return;
+  }
+  const std::string what = member.name + " ended (" + *end + "), see " +
+                           LogOf(member.name).string();
+  if (++member.restarts > kMaxRestarts) {
+    health_ = absl::AbortedError(what + "; it was started " + std::to_string(kMaxRestarts) +
+                                 " times before");
+    return;
+  }
+  std::fprintf(stderr, "cohort: %s; starting it again\n", what.c_str());
+  absl::StatusOr<ChildProcess> again =
+      ChildProcess::Start(member.program, member.arguments, LogOf(member.name));
+  if (again.ok()) {
+    member.process = *std::move(again);
+  } else {
+    health_ = again.status();
+  }
+}
+
+absl::Status LocalCluster::Health() {
+  MutexLock lock(mutex_);
+  return health_;
+}
+
+void LocalCluster::Stop() {
+  if (stopping_.exchange(true)) {
+    return;
+  }
+  if (supervisor_.joinable()) {
+    supervisor_.join();
+  }
+  MutexLock lock(mutex_);
+  // Workers first: they give their tasks back to a server that is still there.
+  for (Member& member : members_) {
+    if (member.name != "server") {
+      member.process.AskToStop();
+    }
+  }
+  for (auto member = members_.rbegin(); member != members_.rend(); ++member) {
+    member->process.Stop(kStopSeconds);
+  }
+  members_.clear();
+  std::error_code ignored;  // A temporary folder left behind harms nobody.
+  std::filesystem::remove_all(socket_dir_, ignored);
+}
+
+LocalCluster::~LocalCluster() {
+  Stop();
+}
+
+}  // namespace cohort

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdio>
+#include <string>
+
+#include "common/jobs/job_state.h"
+
+namespace cohort {
+
+/// Shows a job's progress while it runs: on a terminal one line that is drawn over (bar, tasks, rate,
+/// ETA), elsewhere a plain line per stage and per tenth. Not thread-safe.
+class ProgressLine {
+ public:
+  /// @param out  usually stderr.
+  explicit ProgressLine(std::FILE* out);
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  /// @param elapsed_seconds  since the job was first shown; monotonic.
+  void Show(const Job& job, double elapsed_seconds);
+
+ private:
+  std::FILE* out_;
+  const bool is_terminal_;
+  bool open_ = false;  ///< The terminal's line has text.
+  std::string stage_;
+  int tenth_ = -1;
+};
+
+/// "1:02:03", "4:05" or "0:07".
+[[nodiscard]] std::string FormatDuration(double seconds);
+
+/// The text of one progress line, e.g.
+/// "align 2      [########............]  41 %   210/512 tasks  12.3/s  ETA 0:25".
+[[nodiscard]] std::string FormatProgress(const Job& job, double elapsed_seconds, int bar_width);
+
+}  // namespace cohort

@@ -1,0 +1,204 @@
+#include "client/results_folder.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "client/files.h"
+#include "common/base/status_macros.h"
+#include "common/base/version.h"
+#include "common/jobs/blobs.h"
+#include "common/report/csv.h"
+#include "common/report/heatmap.h"
+#include "common/report/histogram.h"
+#include "common/report/job_json.h"
+#include "common/report/job_meshes.h"
+#include "common/report/npy.h"
+#include "common/report/variation_ply.h"
+#include "common/store/mesh_blob.h"
+
+namespace cohort {
+namespace {
+
+/// Everything of a job that its files are made from.
+struct Fetched {
+  Job job;
+  std::vector<JobMesh> meshes;
+  std::vector<MeshAlignment> alignments;
+  MetricMatrix matrix;               ///< Of the meshes that were not rejected, symmetrised.
+  std::vector<std::string> persons;  ///< One per row of the matrix.
+  TriangleMesh mean_shape;
+  VariationSummary variation;
+};
+
+MetricMatrix WithoutRejected(const RowMajorMatrix& values, const std::vector<JobMesh>& meshes) {
+  std::vector<Eigen::Index> kept;
+  MetricMatrix matrix;
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    if (meshes[i].rejection.empty()) {
+      kept.push_back(static_cast<Eigen::Index>(i));
+      matrix.labels.push_back(meshes[i].mesh.name);
+    }
+  }
+  matrix.values = values(kept, kept);
+  return matrix;
+}
+
+absl::StatusOr<std::vector<MeshAlignment>> FetchAlignments(Session& session,
+                                                           const JobOutputs& outputs) {
+  std::vector<MeshAlignment> alignments;
+  for (const Digest& blob : outputs.alignments) {
+    COHORT_ASSIGN_OR_RETURN(const std::string bytes, session.Blobs().Get(blob));
+    COHORT_ASSIGN_OR_RETURN(const std::vector<MeshAlignment> some, DecodeAlignmentBlob(bytes));
+    alignments.insert(alignments.end(), some.begin(), some.end());
+  }
+  return alignments;
+}
+
+absl::StatusOr<Fetched> Fetch(Session& session, const JobId& id, std::optional<Metric> metric) {
+  Fetched fetched;
+  COHORT_ASSIGN_OR_RETURN(fetched.job, session.GetJob(id));
+  if (metric) {
+    fetched.job.spec.metric = *metric;
+  }
+  COHORT_ASSIGN_OR_RETURN(const JobOutputs outputs, session.GetOutputs(id));
+  COHORT_ASSIGN_OR_RETURN(fetched.meshes, session.ListJobMeshes(id));
+  COHORT_ASSIGN_OR_RETURN(const RowMajorMatrix directed,
+                          session.GetMatrix(id, fetched.job.spec.metric,
+                                            static_cast<int64_t>(fetched.meshes.size())));
+  fetched.matrix = WithoutRejected(directed, fetched.meshes);
+  if (fetched.job.spec.symmetrization != Symmetrization::kDirected) {
+    fetched.matrix = Symmetrized(fetched.matrix, fetched.job.spec.symmetrization == Symmetrization::kMax
+                                                     ? PairRule::kMax
+                                                     : PairRule::kMean);
+  }
+  fetched.persons = PersonsOf(fetched.matrix.labels, fetched.meshes);
+  COHORT_ASSIGN_OR_RETURN(fetched.alignments, FetchAlignments(session, outputs));
+  COHORT_ASSIGN_OR_RETURN(const std::string shape, session.Blobs().Get(outputs.mean_shape));
+  COHORT_ASSIGN_OR_RETURN(fetched.mean_shape, DecodeMeshBlob(shape));
+  COHORT_ASSIGN_OR_RETURN(const std::string summary, session.Blobs().Get(outputs.summary));
+  COHORT_ASSIGN_OR_RETURN(fetched.variation, DecodeSummaryBlob(summary));
+  return fetched;
+}
+
+/// Writes one file after the other and remembers what each is.
+class FolderWriter {
+ public:
+  explicit FolderWriter(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  absl::Status Write(const ResultFile& file, const absl::StatusOr<std::string>& bytes) {
+    COHORT_RETURN_IF_ERROR(bytes.status());
+    files_.push_back(file);
+    return WriteWholeFile(folder_ / file.name, *bytes);
+  }
+  [[nodiscard]] const std::vector<ResultFile>& Files() const { return files_; }
+
+ private:
+  std::filesystem::path folder_;
+  std::vector<ResultFile> files_;
+};
+
+std::string HostName() {
+  std::array<char, 256> host{};
+  gethostname(host.data(), host.size() - 1);
+  return host.data();
+}
+
+absl::Status WriteTables(FolderWriter& out,
+                         const Fetched& fetched,
+                         const std::vector<std::vector<Neighbour>>& neighbours,
+                         const std::string& unit) {
+  const JobSpec& spec = fetched.job.spec;
+  COHORT_RETURN_IF_ERROR(out.Write(
+      {"matrix.csv", "metric of every pair, with file names", unit},
+      MatrixCsv(fetched.matrix, spec.metric)));
+  COHORT_RETURN_IF_ERROR(
+      out.Write({"neighbours.csv", "the most similar meshes of each mesh", unit},
+                NeighboursCsv(fetched.matrix, neighbours, fetched.persons)));
+  COHORT_RETURN_IF_ERROR(out.Write(
+      {"meshes.csv", "each file: health, labels, and how well it was aligned", "mm"},
+      MeshesCsv(fetched.meshes, fetched.alignments)));
+  COHORT_RETURN_IF_ERROR(
+      out.Write({"transforms.csv", "similarity of each mesh to the reference", "mm"},
+                TransformsCsv(fetched.meshes, fetched.alignments)));
+  COHORT_RETURN_IF_ERROR(
+      out.Write({"matrix.npy", "matrix.csv for NumPy, row = source, column = target", unit},
+                MatrixNpy(fetched.matrix.values)));
+  return out.Write({"labels.txt", "file names of the rows of matrix.npy", ""},
+                   LabelsText(fetched.matrix.labels));
+}
+
+absl::Status WritePictures(FolderWriter& out,
+                           const Fetched& fetched,
+                           const MatrixDescription& description) {
+  const std::string unit = ValueUnit(description);
+  COHORT_RETURN_IF_ERROR(out.Write({"heatmap.png", "the matrix as a picture", unit},
+                                   HeatmapPng(fetched.matrix, description)));
+  COHORT_RETURN_IF_ERROR(
+      out.Write({"histogram.png", "distribution of the pairs", unit},
+                HistogramPng(fetched.matrix, description, fetched.persons)));
+  COHORT_RETURN_IF_ERROR(out.Write({"mean_shape.ply", "the mean shape", "mm"},
+                                   MeanShapePly(fetched.mean_shape)));
+  return out.Write({"variation.ply",
+                    "the mean shape with, for each vertex, the metrics of its distances to all "
+                    "meshes as scalars and the RMS as colour",
+                    "mm"},
+                   VariationPly(fetched.mean_shape, fetched.variation));
+}
+
+void CountPersons(const Fetched& fetched,
+                  const std::vector<std::vector<Neighbour>>& neighbours,
+                  ResultsDigest& digest) {
+  for (size_t i = 0; i < fetched.persons.size(); ++i) {
+    const std::string& person = fetched.persons[i];
+    if (person.empty() ||
+        std::count(fetched.persons.begin(), fetched.persons.end(), person) < 2) {
+      continue;
+    }
+    ++digest.with_same_person;
+    if (!neighbours[i].empty() &&
+        fetched.persons[static_cast<size_t>(neighbours[i][0].column)] == person) {
+      ++digest.nearest_same_person;
+    }
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<ResultsDigest> WriteResults(Session& session,
+                                           const JobId& id,
+                                           std::optional<Metric> metric,
+                                           const std::filesystem::path& folder) {
+  COHORT_ASSIGN_OR_RETURN(const Fetched fetched, Fetch(session, id, metric));
+  COHORT_RETURN_IF_ERROR(PrepareFolder(folder));
+  const JobSpec& spec = fetched.job.spec;
+  const MatrixDescription description{.metric = spec.metric,
+                                      .method = spec.method,
+                                      .symmetrization = spec.symmetrization};
+  const auto neighbours = NearestNeighbours(fetched.matrix, spec.neighbours);
+  FolderWriter out(folder);
+  COHORT_RETURN_IF_ERROR(WriteTables(out, fetched, neighbours, ValueUnit(description)));
+  COHORT_RETURN_IF_ERROR(WritePictures(out, fetched, description));
+
+  ResultsDigest digest;
+  digest.job = fetched.job;
+  digest.meshes = fetched.meshes;
+  CountPersons(fetched, neighbours, digest);
+  for (const ResultFile& file : out.Files()) {
+    digest.files.push_back(file.name);
+  }
+  // Last, so that a folder with a job.json is a whole one.
+  COHORT_RETURN_IF_ERROR(out.Write(
+      {"job.json", "parameters, inputs, versions, counters, times", ""},
+      JobJson({.job = fetched.job,
+               .meshes = fetched.meshes,
+               .files = out.Files(),
+               .software_version = "cohort " + std::string(BuildVersion()),
+               .host = HostName()})));
+  digest.files.push_back("job.json");
+  return digest;
+}
+
+}  // namespace cohort

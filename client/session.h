@@ -1,0 +1,76 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+#include <grpcpp/channel.h>
+
+#include "cohort/v1/job_service.grpc.pb.h"
+#include "cohort/v1/mesh_service.grpc.pb.h"
+#include "cohort/v1/result_service.grpc.pb.h"
+#include "common/analysis/metric_matrix.h"
+#include "common/jobs/job_state.h"
+#include "common/rpc/rpc_blob_store.h"
+
+namespace cohort {
+
+/// A client's connection to a server: one method per call, plain types, a deadline each. An
+/// unreachable server is kUnavailable and names the address. Not thread-safe.
+class Session {
+ public:
+  /// @param address  HOST:PORT or unix:PATH.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<Session>> Open(const std::string& address);
+
+  /// Waits until the server answers. @return kUnavailable after `seconds`.
+  [[nodiscard]] absl::Status WaitUntilReady(double seconds);
+
+  [[nodiscard]] absl::StatusOr<std::vector<Digest>> FindMissing(const std::vector<Digest>& digests);
+  /// @param path  file to send; empty: the server has the bytes.
+  [[nodiscard]] absl::Status AddMesh(const std::string& set,
+                                     const SetMesh& mesh,
+                                     const std::string& path);
+  [[nodiscard]] absl::StatusOr<std::vector<SetMesh>> ListMeshes(const std::string& set);
+
+  [[nodiscard]] absl::StatusOr<Job> CreateJob(const std::string& set,
+                                              const JobSpec& spec,
+                                              const std::string& request_id);
+  [[nodiscard]] absl::StatusOr<Job> GetJob(const JobId& id);
+  /// Newest first, at most `limit`.
+  [[nodiscard]] absl::StatusOr<std::vector<Job>> ListJobs(int limit);
+  [[nodiscard]] absl::StatusOr<Job> CancelJob(const JobId& id);
+  /// Calls `on_change` with the job now and after every change until it has ended or `on_change`
+  /// returns false. Reconnects and goes on where it was when the stream breaks.
+  /// @return the last state; kUnavailable when the server stays away for a minute.
+  [[nodiscard]] absl::StatusOr<Job> WatchJob(const JobId& id,
+                                             const std::function<bool(const Job&)>& on_change);
+
+  [[nodiscard]] absl::StatusOr<std::vector<JobMesh>> ListJobMeshes(const JobId& id);
+  [[nodiscard]] absl::StatusOr<JobOutputs> GetOutputs(const JobId& id);
+  /// Directed values over the job's `count` meshes; NaN where nothing was measured.
+  [[nodiscard]] absl::StatusOr<RowMajorMatrix> GetMatrix(const JobId& id,
+                                                         Metric metric,
+                                                         int64_t count);
+  [[nodiscard]] BlobStore& Blobs() { return blobs_; }
+  [[nodiscard]] const std::string& Address() const { return address_; }
+
+ private:
+  Session(std::shared_ptr<grpc::Channel> channel, const std::string& address);
+  /// One stream until it breaks; `last` is the newest state seen.
+  absl::Status WatchOnce(const JobId& id,
+                         const std::function<bool(const Job&)>& on_change,
+                         Job& last,
+                         bool& wanted);
+
+  std::string address_;
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<v1::MeshService::Stub> meshes_;
+  std::unique_ptr<v1::JobService::Stub> jobs_;
+  std::unique_ptr<v1::ResultService::Stub> results_;
+  RpcBlobStore blobs_;
+};
+
+}  // namespace cohort

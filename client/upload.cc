@@ -1,0 +1,61 @@
+#include "client/upload.h"
+
+#include <set>
+#include <utility>
+
+#include "client/files.h"
+#include "common/base/status_macros.h"
+
+namespace cohort {
+
+absl::StatusOr<std::vector<MeshFile>> DescribeFiles(
+    const std::vector<std::filesystem::path>& files,
+    const Labels& labels) {
+  std::vector<MeshFile> described;
+  std::set<std::string> names;
+  int64_t labelled = 0;
+  for (const std::filesystem::path& path : files) {
+    COHORT_ASSIGN_OR_RETURN(const FileDigest hashed, HashFile(path));
+    MeshFile file{.path = path, .mesh = {}};
+    file.mesh.name = path.filename().string();
+    file.mesh.raw = hashed.digest;
+    file.mesh.size_bytes = hashed.size_bytes;
+    if (!names.insert(file.mesh.name).second) {
+      return absl::InvalidArgumentError("two files are named " + file.mesh.name +
+                                        "; names must be unique in a set");
+    }
+    const auto found = labels.find(file.mesh.name);
+    if (found != labels.end()) {
+      file.mesh.labels = found->second;
+      ++labelled;
+    }
+    described.push_back(std::move(file));
+  }
+  if (!labels.empty() && labelled == 0) {
+    return absl::InvalidArgumentError("none of the " + std::to_string(labels.size()) +
+                                      " files in the labels (such as '" + labels.begin()->first +
+                                      "') is among the meshes; column 'file' must hold file names "
+                                      "without folders");
+  }
+  return described;
+}
+
+absl::StatusOr<UploadCounts> Upload(Session& session,
+                                    const std::string& set,
+                                    const std::vector<MeshFile>& files) {
+  std::vector<Digest> digests;
+  for (const MeshFile& file : files) {
+    digests.push_back(file.mesh.raw);
+  }
+  COHORT_ASSIGN_OR_RETURN(const std::vector<Digest> missing, session.FindMissing(digests));
+  std::set<Digest> to_send(missing.begin(), missing.end());
+  UploadCounts counts;
+  for (const MeshFile& file : files) {
+    const bool send = to_send.erase(file.mesh.raw) > 0;
+    COHORT_RETURN_IF_ERROR(session.AddMesh(set, file.mesh, send ? file.path.string() : ""));
+    ++(send ? counts.sent : counts.known);
+  }
+  return counts;
+}
+
+}  // namespace cohort

@@ -1,0 +1,59 @@
+#include "common/geometry/registration/paired_sums.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+namespace cohort {
+namespace {
+
+/// Horn's symmetric 4 x 4 matrix N of the cross-covariance S; quaternion order w, x, y, z.
+Eigen::Matrix4d HornMatrix(const Eigen::Matrix3d& S) {
+  const Eigen::Vector3d delta(S(1, 2) - S(2, 1), S(2, 0) - S(0, 2), S(0, 1) - S(1, 0));
+  Eigen::Matrix4d N;
+  N(0, 0) = S.trace();
+  N.block<1, 3>(0, 1) = delta.transpose();
+  N.block<3, 1>(1, 0) = delta;
+  N.block<3, 3>(1, 1) = S + S.transpose() - S.trace() * Eigen::Matrix3d::Identity();
+  return N;
+}
+
+}  // namespace
+
+void PairedSums::Add(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  ++count_;
+  sum_a_ += a;
+  sum_b_ += b;
+  sum_ab_ += a * b.transpose();
+  sum_aa_ += a.squaredNorm();
+}
+
+absl::StatusOr<Similarity> PairedSums::Fit(ScaleMode scale_mode) const {
+  if (count_ == 0) {
+    return absl::FailedPreconditionError("similarity fit: no pairs");
+  }
+  const Eigen::Vector3d mean_a = sum_a_ / static_cast<double>(count_);
+  const Eigen::Vector3d mean_b = sum_b_ / static_cast<double>(count_);
+  const Eigen::Matrix3d S = sum_ab_ - sum_a_ * mean_b.transpose();
+  const double spread = sum_aa_ - sum_a_.dot(mean_a);
+  // What is left of points that coincide away from the origin is rounding.
+  if (!(spread > 1e-14 * sum_aa_)) {
+    return absl::FailedPreconditionError("similarity fit: the source points coincide");
+  }
+
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(HornMatrix(S));
+  const Eigen::Vector4d q = eigen.eigenvectors().col(3);  // the largest eigenvalue comes last
+  const Eigen::Matrix3d R =
+      Eigen::Quaterniond(q(0), q(1), q(2), q(3)).normalized().toRotationMatrix();
+
+  Similarity T;
+  T.rotation = R;
+  // sum b'.(R a') = trace(R S): Horn 1987, section 2.E, asymmetric form.
+  T.scale = scale_mode == ScaleMode::kFree ? (R * S).trace() / spread : 1.0;
+  if (!(T.scale > 0)) {
+    return absl::FailedPreconditionError("similarity fit: the scale is not positive");
+  }
+  T.translation = mean_b - T.scale * (R * mean_a);
+  return T;
+}
+
+}  // namespace cohort

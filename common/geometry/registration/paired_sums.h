@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include <absl/status/statusor.h>
+
+#include "common/geometry/registration/similarity.h"
+
+namespace cohort {
+
+/// Sums over paired points from which the least-squares similarity follows: one pass, no
+/// temporaries, always added in the caller's order. Points should lie about the origin, else digits
+/// cancel. Internal to registration.
+class PairedSums {
+ public:
+  void Add(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+
+  /// Similarity that minimises sum |s R a + t - b|^2; see FitSimilarity.
+  /// @return kFailedPrecondition if the points a coincide or the scale is not positive.
+  [[nodiscard]] absl::StatusOr<Similarity> Fit(ScaleMode scale_mode) const;
+
+ private:
+  int64_t count_ = 0;
+  Eigen::Vector3d sum_a_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sum_b_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d sum_ab_ = Eigen::Matrix3d::Zero();  ///< a b^T
+  double sum_aa_ = 0;                                 ///< a . a
+};
+
+}  // namespace cohort

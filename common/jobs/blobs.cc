@@ -1,0 +1,322 @@
+#include "common/jobs/blobs.h"
+
+#include <span>
+#include <utility>
+
+#include <absl/status/status.h>
+#include <absl/strings/str_cat.h>
+
+#include "common/base/byte_io.h"
+#include "common/base/status_macros.h"
+
+namespace cohort {
+namespace {
+
+constexpr std::string_view kAlignmentMagic = "COHALGN1";
+constexpr std::string_view kDisplacementMagic = "COHDISP1";
+constexpr std::string_view kTileMagic = "COHTILE1";
+constexpr std::string_view kVariationMagic = "COHVARI1";
+constexpr std::string_view kSummaryMagic = "COHSUMM1";
+
+constexpr uint64_t kAlignmentBytes =
+    2 * sizeof(int32_t) + 1 + sizeof(int64_t) + 15 * sizeof(double);
+constexpr uint64_t kPointBytes = 3 * sizeof(double);
+constexpr uint64_t kValuesBytes = sizeof(MetricValues);
+constexpr uint64_t kBlockHeaderBytes = 3 * sizeof(uint64_t);
+
+/// A blob of a known kind being read: each step says what is wrong with the bytes.
+class BlobDecoder {
+ public:
+  BlobDecoder(std::string_view kind, std::string_view bytes)
+      : kind_(kind), size_(bytes.size()), reader_(bytes) {}
+
+  [[nodiscard]] absl::Status Start(std::string_view magic) {
+    if (!reader_.Rest().starts_with(magic)) {
+      return Damaged(absl::StrCat("does not begin with ", std::string(magic)));
+    }
+    reader_ = ByteReader(reader_.Rest().substr(magic.size()));
+    return absl::OkStatus();
+  }
+  template <typename T>
+  [[nodiscard]] absl::Status Get(std::string_view what, T& value) {
+    return reader_.Get(value) ? absl::OkStatus() : CutShort(what);
+  }
+  template <typename T>
+  [[nodiscard]] absl::Status GetArray(std::string_view what, std::span<T> values) {
+    return reader_.GetArray(values) ? absl::OkStatus() : CutShort(what);
+  }
+  /// A count of things of `item_bytes` each, all of which must still be there: no memory is taken
+  /// for a count that the bytes cannot hold.
+  [[nodiscard]] absl::Status GetCount(std::string_view what, uint64_t item_bytes, uint64_t& count) {
+    COHORT_RETURN_IF_ERROR(Get(what, count));
+    return CheckRoom(what, count, item_bytes);
+  }
+  [[nodiscard]] absl::Status CheckRoom(std::string_view what, uint64_t count, uint64_t item_bytes) {
+    if (item_bytes != 0 && count > reader_.Remaining() / item_bytes) {
+      return Damaged(absl::StrCat("announces ", count, " ", std::string(what), " in the last ",
+                                  reader_.Remaining(), " bytes"));
+    }
+    return absl::OkStatus();
+  }
+  [[nodiscard]] absl::Status Finish() const {
+    if (reader_.Remaining() != 0) {
+      return Damaged(absl::StrCat(reader_.Remaining(), " bytes too many"));
+    }
+    return absl::OkStatus();
+  }
+  [[nodiscard]] absl::Status Damaged(std::string_view problem) const {
+    return absl::DataLossError(
+        absl::StrCat(std::string(kind_), " blob of ", size_, " bytes: ", std::string(problem)));
+  }
+
+ private:
+  [[nodiscard]] absl::Status CutShort(std::string_view what) const {
+    return Damaged(absl::StrCat("cut short in ", std::string(what)));
+  }
+
+  std::string_view kind_;
+  size_t size_;
+  ByteReader reader_;
+};
+
+void PutAlignment(ByteWriter& writer, const MeshAlignment& item) {
+  const Similarity& T = item.alignment.T_target_source;
+  writer.Put<int32_t>(item.mesh);
+  writer.Put<int32_t>(item.alignment.iterations);
+  writer.Put<uint8_t>(item.alignment.converged ? 1 : 0);
+  writer.Put<int64_t>(item.alignment.lookups);
+  writer.Put<double>(item.alignment.rms_residual);
+  writer.Put<double>(item.alignment.mean_residual);
+  writer.Put<double>(T.scale);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      writer.Put<double>(T.rotation(row, column));
+    }
+  }
+  for (int row = 0; row < 3; ++row) {
+    writer.Put<double>(T.translation(row));
+  }
+}
+
+absl::Status GetAlignment(BlobDecoder& blob, MeshAlignment& item) {
+  Similarity& T = item.alignment.T_target_source;
+  uint8_t converged = 0;
+  COHORT_RETURN_IF_ERROR(blob.Get("mesh index", item.mesh));
+  COHORT_RETURN_IF_ERROR(blob.Get("iterations", item.alignment.iterations));
+  COHORT_RETURN_IF_ERROR(blob.Get("converged", converged));
+  COHORT_RETURN_IF_ERROR(blob.Get("lookups", item.alignment.lookups));
+  COHORT_RETURN_IF_ERROR(blob.Get("rms", item.alignment.rms_residual));
+  COHORT_RETURN_IF_ERROR(blob.Get("mean", item.alignment.mean_residual));
+  COHORT_RETURN_IF_ERROR(blob.Get("scale", T.scale));
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      COHORT_RETURN_IF_ERROR(blob.Get("rotation", T.rotation(row, column)));
+    }
+  }
+  for (int row = 0; row < 3; ++row) {
+    COHORT_RETURN_IF_ERROR(blob.Get("translation", T.translation(row)));
+  }
+  if (item.mesh < 0 || item.alignment.iterations < 0 || item.alignment.lookups < 0) {
+    return blob.Damaged(absl::StrCat("negative number for mesh ", item.mesh));
+  }
+  if (converged > 1) {
+    return blob.Damaged(
+        absl::StrCat("converged is ", static_cast<int>(converged), " for mesh ", item.mesh));
+  }
+  item.alignment.converged = converged == 1;
+  return absl::OkStatus();
+}
+
+std::span<const double> Coefficients(const Eigen::Matrix3Xd& points) {
+  return {points.data(), static_cast<size_t>(points.size())};
+}
+
+absl::Status GetPoints(BlobDecoder& blob, uint64_t count, Eigen::Matrix3Xd& points) {
+  COHORT_RETURN_IF_ERROR(blob.CheckRoom("points", count, kPointBytes));
+  points.resize(3, static_cast<Eigen::Index>(count));
+  return blob.GetArray<double>("points", {points.data(), static_cast<size_t>(points.size())});
+}
+
+absl::Status GetMeshCount(BlobDecoder& blob, int64_t& mesh_count) {
+  COHORT_RETURN_IF_ERROR(blob.Get("mesh count", mesh_count));
+  return mesh_count < 0 ? blob.Damaged(absl::StrCat("mesh count is ", mesh_count))
+                        : absl::OkStatus();
+}
+
+absl::Status GetIndices(BlobDecoder& blob, uint64_t count, std::vector<int32_t>& indices) {
+  COHORT_RETURN_IF_ERROR(blob.CheckRoom("mesh indices", count, sizeof(int32_t)));
+  indices.resize(count);
+  COHORT_RETURN_IF_ERROR(blob.GetArray<int32_t>("mesh indices", indices));
+  for (const int32_t index : indices) {
+    if (index < 0) {
+      return blob.Damaged(absl::StrCat("mesh index is ", index));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status GetMetricNumber(BlobDecoder& blob) {
+  uint64_t metrics = 0;
+  COHORT_RETURN_IF_ERROR(blob.Get("number of metrics", metrics));
+  return metrics == kMetricCount
+             ? absl::OkStatus()
+             : blob.Damaged(absl::StrCat("has ", metrics, " metrics, expected ", kMetricCount));
+}
+
+void PutValues(ByteWriter& writer, const std::vector<MetricValues>& values) {
+  for (const MetricValues& item : values) {
+    writer.PutArray<double>(item);
+  }
+}
+
+absl::Status GetValues(BlobDecoder& blob, uint64_t count, std::vector<MetricValues>& values) {
+  COHORT_RETURN_IF_ERROR(blob.CheckRoom("metric values", count, kValuesBytes));
+  values.resize(count);
+  for (MetricValues& item : values) {
+    COHORT_RETURN_IF_ERROR(blob.GetArray<double>("metric values", item));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status GetBlock(BlobDecoder& blob, MetricBlock& block) {
+  uint64_t rows = 0;
+  uint64_t columns = 0;
+  COHORT_RETURN_IF_ERROR(blob.GetCount("rows", sizeof(int32_t), rows));
+  COHORT_RETURN_IF_ERROR(blob.GetCount("columns", sizeof(int32_t), columns));
+  COHORT_RETURN_IF_ERROR(GetMetricNumber(blob));
+  COHORT_RETURN_IF_ERROR(GetIndices(blob, rows, block.sources));
+  COHORT_RETURN_IF_ERROR(GetIndices(blob, columns, block.targets));
+  // Each row on its own, so that rows * columns cannot overflow unseen.
+  COHORT_RETURN_IF_ERROR(blob.CheckRoom("rows of values", rows, columns * kValuesBytes));
+  return GetValues(blob, rows * columns, block.values);
+}
+
+}  // namespace
+
+std::string EncodeAlignmentBlob(const std::vector<MeshAlignment>& alignments) {
+  ByteWriter writer;
+  writer.PutBytes(kAlignmentMagic);
+  writer.Put<uint64_t>(alignments.size());
+  for (const MeshAlignment& item : alignments) {
+    PutAlignment(writer, item);
+  }
+  return std::move(writer).Take();
+}
+
+absl::StatusOr<std::vector<MeshAlignment>> DecodeAlignmentBlob(std::string_view bytes) {
+  BlobDecoder blob("alignment", bytes);
+  COHORT_RETURN_IF_ERROR(blob.Start(kAlignmentMagic));
+  uint64_t count = 0;
+  COHORT_RETURN_IF_ERROR(blob.GetCount("alignments", kAlignmentBytes, count));
+  std::vector<MeshAlignment> alignments(count);
+  for (MeshAlignment& item : alignments) {
+    COHORT_RETURN_IF_ERROR(GetAlignment(blob, item));
+  }
+  COHORT_RETURN_IF_ERROR(blob.Finish());
+  return alignments;
+}
+
+std::string EncodeDisplacementBlob(const DisplacementSum& displacement) {
+  ByteWriter writer;
+  writer.PutBytes(kDisplacementMagic);
+  writer.Put<int64_t>(displacement.mesh_count);
+  writer.Put<uint64_t>(static_cast<uint64_t>(displacement.sum.cols()));
+  writer.PutArray<double>(Coefficients(displacement.sum));
+  return std::move(writer).Take();
+}
+
+absl::StatusOr<DisplacementSum> DecodeDisplacementBlob(std::string_view bytes) {
+  BlobDecoder blob("displacement", bytes);
+  COHORT_RETURN_IF_ERROR(blob.Start(kDisplacementMagic));
+  DisplacementSum displacement;
+  uint64_t n = 0;
+  COHORT_RETURN_IF_ERROR(GetMeshCount(blob, displacement.mesh_count));
+  COHORT_RETURN_IF_ERROR(blob.GetCount("vertices", kPointBytes, n));
+  COHORT_RETURN_IF_ERROR(GetPoints(blob, n, displacement.sum));
+  COHORT_RETURN_IF_ERROR(blob.Finish());
+  return displacement;
+}
+
+std::string EncodeTileBlob(const std::vector<MetricBlock>& blocks) {
+  ByteWriter writer;
+  writer.PutBytes(kTileMagic);
+  writer.Put<uint64_t>(blocks.size());
+  for (const MetricBlock& block : blocks) {
+    writer.Put<uint64_t>(block.sources.size());
+    writer.Put<uint64_t>(block.targets.size());
+    writer.Put<uint64_t>(kMetricCount);
+    writer.PutArray<int32_t>(block.sources);
+    writer.PutArray<int32_t>(block.targets);
+    PutValues(writer, block.values);
+  }
+  return std::move(writer).Take();
+}
+
+absl::StatusOr<std::vector<MetricBlock>> DecodeTileBlob(std::string_view bytes) {
+  BlobDecoder blob("tile", bytes);
+  COHORT_RETURN_IF_ERROR(blob.Start(kTileMagic));
+  uint64_t count = 0;
+  COHORT_RETURN_IF_ERROR(blob.GetCount("blocks", kBlockHeaderBytes, count));
+  std::vector<MetricBlock> blocks(count);
+  for (MetricBlock& block : blocks) {
+    COHORT_RETURN_IF_ERROR(GetBlock(blob, block));
+  }
+  COHORT_RETURN_IF_ERROR(blob.Finish());
+  return blocks;
+}
+
+std::string EncodeVariationBlob(const VariationPart& part) {
+  ByteWriter writer;
+  writer.PutBytes(kVariationMagic);
+  writer.Put<uint64_t>(static_cast<uint64_t>(part.distances.rows()));
+  writer.Put<uint64_t>(part.meshes.size());
+  writer.PutArray<int32_t>(part.meshes);
+  writer.PutArray<float>({part.distances.data(), static_cast<size_t>(part.distances.size())});
+  writer.Put<int64_t>(part.displacement.mesh_count);
+  writer.PutArray<double>(Coefficients(part.displacement.sum));
+  return std::move(writer).Take();
+}
+
+absl::StatusOr<VariationPart> DecodeVariationBlob(std::string_view bytes) {
+  BlobDecoder blob("variation", bytes);
+  COHORT_RETURN_IF_ERROR(blob.Start(kVariationMagic));
+  VariationPart part;
+  uint64_t n = 0;
+  uint64_t meshes = 0;
+  COHORT_RETURN_IF_ERROR(blob.GetCount("vertices", kPointBytes, n));
+  COHORT_RETURN_IF_ERROR(blob.Get("meshes", meshes));
+  COHORT_RETURN_IF_ERROR(GetIndices(blob, meshes, part.meshes));
+  COHORT_RETURN_IF_ERROR(blob.CheckRoom("meshes", meshes, n * sizeof(float)));
+  part.distances.resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(meshes));
+  COHORT_RETURN_IF_ERROR(blob.GetArray<float>(
+      "distances", {part.distances.data(), static_cast<size_t>(part.distances.size())}));
+  COHORT_RETURN_IF_ERROR(GetMeshCount(blob, part.displacement.mesh_count));
+  COHORT_RETURN_IF_ERROR(GetPoints(blob, n, part.displacement.sum));
+  COHORT_RETURN_IF_ERROR(blob.Finish());
+  return part;
+}
+
+std::string EncodeSummaryBlob(const VariationSummary& summary) {
+  ByteWriter writer;
+  writer.PutBytes(kSummaryMagic);
+  writer.Put<int64_t>(summary.mesh_count);
+  writer.Put<uint64_t>(summary.values.size());
+  writer.Put<uint64_t>(kMetricCount);
+  PutValues(writer, summary.values);
+  return std::move(writer).Take();
+}
+
+absl::StatusOr<VariationSummary> DecodeSummaryBlob(std::string_view bytes) {
+  BlobDecoder blob("summary", bytes);
+  COHORT_RETURN_IF_ERROR(blob.Start(kSummaryMagic));
+  VariationSummary summary;
+  uint64_t n = 0;
+  COHORT_RETURN_IF_ERROR(GetMeshCount(blob, summary.mesh_count));
+  COHORT_RETURN_IF_ERROR(blob.GetCount("vertices", kValuesBytes, n));
+  COHORT_RETURN_IF_ERROR(GetMetricNumber(blob));
+  COHORT_RETURN_IF_ERROR(GetValues(blob, n, summary.values));
+  COHORT_RETURN_IF_ERROR(blob.Finish());
+  return summary;
+}
+
+}  // namespace cohort

@@ -1,0 +1,70 @@
+#include "common/jobs/job_state.h"
+
+#include <array>
+
+#include <nlohmann/json.hpp>
+
+#include "common/base/status_macros.h"
+#include "common/jobs/json_fields.h"
+
+namespace cohort {
+namespace {
+
+constexpr std::array<JobState, 5> kAllStates = {JobState::kQueued, JobState::kRunning,
+                                                JobState::kSucceeded, JobState::kFailed,
+                                                JobState::kCancelled};
+
+nlohmann::json ToJson(const std::vector<Digest>& digests) {
+  nlohmann::json names = nlohmann::json::array();
+  for (const Digest& digest : digests) {
+    names.push_back(digest.Hex());
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string_view JobStateName(JobState state) {
+  switch (state) {
+    case JobState::kQueued:
+      return "queued";
+    case JobState::kRunning:
+      return "running";
+    case JobState::kSucceeded:
+      return "succeeded";
+    case JobState::kFailed:
+      return "failed";
+    case JobState::kCancelled:
+      return "cancelled";
+  }
+  return "unknown";
+}
+
+std::optional<JobState> JobStateFromName(std::string_view name) {
+  for (const JobState state : kAllStates) {
+    if (JobStateName(state) == name) {
+      return state;
+    }
+  }
+  return std::nullopt;
+}
+
+nlohmann::json ToJson(const JobOutputs& outputs) {
+  return {{"tiles", ToJson(outputs.tiles)},
+          {"alignments", ToJson(outputs.alignments)},
+          {"mean_shape", outputs.mean_shape.Hex()},
+          {"summary", outputs.summary.Hex()}};
+}
+
+absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
+  JobOutputs outputs;
+  JsonFields fields(json, "job outputs", absl::StatusCode::kDataLoss, Presence::kRequired);
+  fields.Read("tiles", outputs.tiles);
+  fields.Read("alignments", outputs.alignments);
+  fields.Read("mean_shape", outputs.mean_shape);
+  fields.Read("summary", outputs.summary);
+  COHORT_RETURN_IF_ERROR(fields.Finish());
+  return outputs;
+}
+
+}  // namespace cohort

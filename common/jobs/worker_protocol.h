@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/jobs/ids.h"
+#include "common/jobs/lease.h"
+#include "common/jobs/task.h"
+
+namespace cohort {
+
+/// What a worker says when it calls.
+struct WorkerReport {
+  WorkerId worker;
+  std::string build;        ///< BuildVersion(); the server refuses another than its own.
+  std::vector<Lease> held;  ///< Tasks that it runs now.
+  int free_slots = 0;
+  double wait_seconds = 0;  ///< How long the answer may wait for a ready task.
+};
+
+struct GrantedTask {
+  Lease lease;
+  Task task;
+};
+
+/// What a worker is to do.
+struct WorkerOrders {
+  std::vector<GrantedTask> grants;
+  std::vector<Lease> lost;       ///< To be stopped: cancelled, done, or given to another.
+  double next_sync_seconds = 0;  ///< Call again after at most this long.
+  double lease_seconds = 0;      ///< A worker silent for this long has lost its tasks.
+};
+
+}  // namespace cohort

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/analysis/metric_matrix.h"
+#include "common/geometry/comparison/metrics.h"
+#include "common/jobs/blobs.h"
+#include "common/jobs/job_state.h"
+
+namespace cohort {
+
+// Tables as RFC 4180: comma, CRLF after every row, a field with a comma, quote, line break or outer
+// space in quotes. UTF-8 without a byte order mark (R would read it into the first column's name).
+// Numbers are ShortestDecimal; what is unknown is "NA"; truth is "TRUE" or "FALSE" (what R and
+// spreadsheets read as such). Labels are written as they are, also those that a spreadsheet takes
+// for a formula ("=1+1.ply"): a changed file name would match nothing any more.
+
+/// One row with its line end.
+[[nodiscard]] std::string CsvRow(std::span<const std::string> fields);
+
+/// The matrix: a header of MetricName(metric) and the N labels, then per mesh its label and N
+/// values. Row = source, column = target. In R: read.csv(file, row.names = 1, check.names = FALSE).
+[[nodiscard]] std::string MatrixCsv(const MetricMatrix& matrix, Metric metric);
+
+/// Ranked neighbours: "mesh,rank,neighbour,value", rank from 1; with persons also
+/// "person,neighbour_person,same_person" (NA where one of them is unknown).
+/// @param neighbours  one list per row of the matrix.
+/// @param persons  one per row, "" for unknown (PersonsOf); none, or all unknown: no such columns.
+[[nodiscard]] std::string NeighboursCsv(const MetricMatrix& matrix,
+                                        std::span<const std::vector<Neighbour>> neighbours,
+                                        std::span<const std::string> persons);
+
+/// One row per mesh of the job, rejected ones too: "file,status,reason", a column per label key
+/// (sorted; "label_" before a key that is the name of another column), the file's sha256 and size,
+/// the canonical mesh, the health of the file (file_vertices ... warnings), the alignment.
+/// @param meshes  the job's order.
+/// @param alignments  by MeshAlignment::mesh, an index into `meshes`; meshes without one have NA.
+[[nodiscard]] std::string MeshesCsv(std::span<const JobMesh> meshes,
+                                    std::span<const MeshAlignment> alignments);
+
+/// "file,scale,r11,...,r33,tx,ty,tz" of each aligned mesh: x_reference = scale * R * x_file + t.
+[[nodiscard]] std::string TransformsCsv(std::span<const JobMesh> meshes,
+                                        std::span<const MeshAlignment> alignments);
+
+}  // namespace cohort

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/geometry/comparison/metrics.h"
+#include "common/jobs/job_spec.h"
+
+namespace cohort {
+
+/// What the numbers of a matrix mean; the words of the plots come from it.
+struct MatrixDescription {
+  Metric metric = Metric::kRms;
+  Method method = Method::kAverage;
+  Symmetrization symmetrization = Symmetrization::kMean;
+  std::string unit = "mm";  ///< Of lengths in the mesh files; empty: not known.
+};
+
+/// Unit of the metric's values: "mm", for the variance "mm²"; empty if not known.
+[[nodiscard]] std::string ValueUnit(const MatrixDescription& description);
+
+/// "RMS distance (mm)"; without brackets if the unit is not known.
+[[nodiscard]] std::string ValueTitle(const MatrixDescription& description);
+
+/// A number with its unit: "1.5 mm".
+[[nodiscard]] std::string WithUnit(const std::string& number, const MatrixDescription& description);
+
+/// "Aligned to the mean shape (method average)".
+[[nodiscard]] std::string MethodText(Method method);
+
+/// "8 meshes", "1 mesh", "1 pair", "2 pairs".
+[[nodiscard]] std::string Counted(int64_t count, const std::string& one, const std::string& many);
+
+}  // namespace cohort

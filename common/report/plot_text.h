@@ -1,0 +1,27 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cohort {
+
+/// The text with each byte that is not UTF-8 and each control character replaced by U+FFFD, so that
+/// any file name can be drawn and put into JSON.
+[[nodiscard]] std::string PrintableUtf8(std::string_view text);
+
+/// Width of a text as it would be drawn.
+using MeasureText = std::function<double(const std::string&)>;
+
+/// Labels that fit into `max_width`.
+///
+/// If one is too long, what all begin and end with is left out first (that is what file names of a
+/// study share); what is still too long loses its middle. "…" stands where something is missing.
+/// @return as many as `labels`, printable UTF-8.
+[[nodiscard]] std::vector<std::string> FittedLabels(std::span<const std::string> labels,
+                                                    double max_width,
+                                                    const MeasureText& width);
+
+}  // namespace cohort

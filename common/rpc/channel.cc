@@ -1,0 +1,51 @@
+#include "common/rpc/channel.h"
+
+#include <chrono>
+#include <limits>
+
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/support/channel_arguments.h>
+
+namespace cohort {
+
+absl::StatusOr<std::string> NormalizeAddress(const std::string& address) {
+  if (address.rfind("unix:", 0) == 0 && address.size() > 5) {
+    return address;
+  }
+  if (!address.empty() && (address[0] == '/' || address[0] == '.')) {
+    return "unix:" + address;
+  }
+  const size_t colon = address.rfind(':');
+  const bool has_port = colon != std::string::npos && colon > 0 && colon + 1 < address.size() &&
+                        address.find_first_not_of("0123456789", colon + 1) == std::string::npos;
+  if (!has_port || address.size() - colon > 6 || std::stoi(address.substr(colon + 1)) > 65535) {
+    return absl::InvalidArgumentError("'" + address +
+                                      "' is not an address: expected HOST:PORT or unix:PATH");
+  }
+  return address;
+}
+
+std::shared_ptr<grpc::Channel> OpenChannel(const std::string& normalized_address) {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 30'000);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 200);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 200);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 5'000);
+  arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
+  arguments.SetMaxSendMessageSize(kMaxMessageBytes);
+  // Proxy settings of the environment are for web pages, not for a cluster's own servers.
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  return grpc::CreateCustomChannel(normalized_address, grpc::InsecureChannelCredentials(),
+                                   arguments);
+}
+
+void SetDeadline(grpc::ClientContext& context, double seconds) {
+  context.set_deadline(std::chrono::system_clock::now() +
+                       std::chrono::milliseconds(static_cast<int64_t>(seconds * 1000)));
+}
+
+}  // namespace cohort

@@ -1,0 +1,79 @@
+#include "common/rpc/convert_enums.h"
+
+#include <string>
+
+namespace cohort {
+namespace {
+
+/// Our enumerations count from 0 in the order of the wire's, which count from 1.
+template <typename Wire, typename Ours>
+Wire Shift(Ours value) {
+  return static_cast<Wire>(static_cast<int>(value) + 1);
+}
+
+template <typename Ours, typename Wire>
+absl::StatusOr<Ours> Unshift(Wire wire, Ours last, const char* name) {
+  const int value = static_cast<int>(wire) - 1;
+  if (value < 0 || value > static_cast<int>(last)) {
+    return absl::InvalidArgumentError(std::string(name) + ": value " +
+                                      std::to_string(static_cast<int>(wire)) + " is not known");
+  }
+  return static_cast<Ours>(value);
+}
+
+// The shift holds as long as first and last agree and nothing is inserted in between.
+static_assert(static_cast<int>(Method::kNone) + 1 == v1::METHOD_NONE);
+static_assert(static_cast<int>(PoseMode::kNone) + 1 == v1::POSE_MODE_NONE);
+static_assert(static_cast<int>(ScaleMode::kFree) + 1 == v1::SCALE_MODE_FREE);
+static_assert(static_cast<int>(Metric::kPercentile75) + 1 == v1::METRIC_PERCENTILE_75);
+static_assert(static_cast<int>(Symmetrization::kDirected) + 1 == v1::SYMMETRIZATION_DIRECTED);
+static_assert(static_cast<int>(JobState::kCancelled) + 1 == v1::JOB_STATE_CANCELLED);
+static_assert(static_cast<int>(TaskKind::kSummarize) + 1 == v1::TASK_KIND_SUMMARIZE);
+
+}  // namespace
+
+v1::Method ToProto(Method method) {
+  return Shift<v1::Method>(method);
+}
+v1::PoseMode ToProto(PoseMode pose) {
+  return Shift<v1::PoseMode>(pose);
+}
+v1::ScaleMode ToProto(ScaleMode scale) {
+  return Shift<v1::ScaleMode>(scale);
+}
+v1::Metric ToProto(Metric metric) {
+  return Shift<v1::Metric>(metric);
+}
+v1::Symmetrization ToProto(Symmetrization symmetrization) {
+  return Shift<v1::Symmetrization>(symmetrization);
+}
+v1::JobState ToProto(JobState state) {
+  return Shift<v1::JobState>(state);
+}
+v1::TaskKind ToProto(TaskKind kind) {
+  return Shift<v1::TaskKind>(kind);
+}
+
+absl::StatusOr<Method> FromProto(v1::Method wire) {
+  return Unshift(wire, Method::kNone, "method");
+}
+absl::StatusOr<PoseMode> FromProto(v1::PoseMode wire) {
+  return Unshift(wire, PoseMode::kNone, "pose");
+}
+absl::StatusOr<ScaleMode> FromProto(v1::ScaleMode wire) {
+  return Unshift(wire, ScaleMode::kFree, "scale");
+}
+absl::StatusOr<Metric> FromProto(v1::Metric wire) {
+  return Unshift(wire, Metric::kPercentile75, "metric");
+}
+absl::StatusOr<Symmetrization> FromProto(v1::Symmetrization wire) {
+  return Unshift(wire, Symmetrization::kDirected, "symmetrization");
+}
+absl::StatusOr<JobState> FromProto(v1::JobState wire) {
+  return Unshift(wire, JobState::kCancelled, "state");
+}
+absl::StatusOr<TaskKind> FromProto(v1::TaskKind wire) {
+  return Unshift(wire, TaskKind::kSummarize, "kind");
+}
+
+}  // namespace cohort

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <absl/status/statusor.h>
+
+#include "cohort/v1/types.pb.h"
+#include "cohort/v1/worker_service.pb.h"
+#include "common/jobs/job_state.h"
+#include "common/jobs/task.h"
+
+namespace cohort {
+
+// Enumerations <-> wire. FromProto returns kInvalidArgument naming the enumeration and the number
+// for 0 (unspecified) and for values that this build does not know.
+
+[[nodiscard]] v1::Method ToProto(Method method);
+[[nodiscard]] v1::PoseMode ToProto(PoseMode pose);
+[[nodiscard]] v1::ScaleMode ToProto(ScaleMode scale);
+[[nodiscard]] v1::Metric ToProto(Metric metric);
+[[nodiscard]] v1::Symmetrization ToProto(Symmetrization symmetrization);
+[[nodiscard]] v1::JobState ToProto(JobState state);
+[[nodiscard]] v1::TaskKind ToProto(TaskKind kind);
+
+[[nodiscard]] absl::StatusOr<Method> FromProto(v1::Method wire);
+[[nodiscard]] absl::StatusOr<PoseMode> FromProto(v1::PoseMode wire);
+[[nodiscard]] absl::StatusOr<ScaleMode> FromProto(v1::ScaleMode wire);
+[[nodiscard]] absl::StatusOr<Metric> FromProto(v1::Metric wire);
+[[nodiscard]] absl::StatusOr<Symmetrization> FromProto(v1::Symmetrization wire);
+[[nodiscard]] absl::StatusOr<JobState> FromProto(v1::JobState wire);
+[[nodiscard]] absl::StatusOr<TaskKind> FromProto(v1::TaskKind wire);
+
+}  // namespace cohort

@@ -1,0 +1,254 @@
+#include "server/core/coordinator.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "common/base/error_reason.h"
+#include "common/base/status_macros.h"
+
+namespace cohort {
+namespace {
+
+constexpr int kMaxNameLength = 255;
+constexpr int kDefaultPageSize = 100;
+constexpr int kMaxPageSize = 1000;
+constexpr int kCatalogPageSize = 1000;
+
+/// Names go into CSV, file systems and URLs: no separators, no control characters.
+absl::Status CheckName(const std::string& name, const char* what) {
+  const bool bad_characters = std::any_of(name.begin(), name.end(), [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == '/' || c == '\\' || c == 0x7f;
+  });
+  if (name.empty() || name.size() > kMaxNameLength || bad_characters) {
+    return WithReason(
+        absl::InvalidArgumentError(std::string(what) + " '" + name.substr(0, 80) +
+                                   "': expected 1 to 255 bytes without '/', '\\' and control "
+                                   "characters"),
+        "BAD_NAME");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<int> CheckPageSize(int page_size) {
+  if (page_size < 0) {
+    return absl::InvalidArgumentError("page_size " + std::to_string(page_size) + ": must not be < 0");
+  }
+  return page_size == 0 ? kDefaultPageSize : std::min(page_size, kMaxPageSize);
+}
+
+}  // namespace
+
+Coordinator::Coordinator(const CoordinatorOptions& options,
+                         Catalog& catalog,
+                         BlobStore& store,
+                         const Clock& clock)
+    : options_(options),
+      catalog_(catalog),
+      store_(store),
+      clock_(clock),
+      scheduler_(options.scheduler) {}
+
+absl::StatusOr<std::unique_ptr<Coordinator>> Coordinator::Create(const CoordinatorOptions& options,
+                                                                 Catalog& catalog,
+                                                                 BlobStore& store,
+                                                                 const Clock& clock) {
+  std::unique_ptr<Coordinator> coordinator(new Coordinator(options, catalog, store, clock));
+  COHORT_RETURN_IF_ERROR(coordinator->Recover());
+  return coordinator;
+}
+
+absl::StatusOr<SetMesh> Coordinator::AddMesh(const std::string& set, const SetMesh& mesh) {
+  COHORT_RETURN_IF_ERROR(CheckName(set, "set"));
+  COHORT_RETURN_IF_ERROR(CheckName(mesh.name, "mesh"));
+  COHORT_ASSIGN_OR_RETURN(const bool exists, store_.Contains(mesh.raw));
+  if (!exists) {
+    return WithReason(absl::FailedPreconditionError("mesh " + mesh.name + ": the server has no " +
+                                                    mesh.raw.Hex() + "; send the bytes"),
+                      "BLOB_MISSING");
+  }
+  COHORT_RETURN_IF_ERROR(catalog_.AddMesh(set, mesh));
+  return mesh;
+}
+
+absl::StatusOr<std::vector<Digest>> Coordinator::FindMissing(const std::vector<Digest>& digests) {
+  std::vector<Digest> missing;
+  for (const Digest& digest : digests) {
+    COHORT_ASSIGN_OR_RETURN(const bool exists, store_.Contains(digest));
+    if (!exists) {
+      missing.push_back(digest);
+    }
+  }
+  return missing;
+}
+
+absl::StatusOr<Page<SetMesh>> Coordinator::ListMeshes(const std::string& set,
+                                                      int page_size,
+                                                      const std::string& token) {
+  COHORT_ASSIGN_OR_RETURN(const int size, CheckPageSize(page_size));
+  return catalog_.ListMeshes(set, size, token);
+}
+
+absl::StatusOr<Page<MeshSet>> Coordinator::ListSets(int page_size, const std::string& token) {
+  COHORT_ASSIGN_OR_RETURN(const int size, CheckPageSize(page_size));
+  return catalog_.ListSets(size, token);
+}
+
+absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
+                                           const JobSpec& spec,
+                                           const std::string& request_id) {
+  COHORT_RETURN_IF_ERROR(spec.Validate());
+  std::vector<SetMesh> meshes;
+  std::string token;
+  do {
+    COHORT_ASSIGN_OR_RETURN(Page<SetMesh> page, catalog_.ListMeshes(set, kCatalogPageSize, token));
+    meshes.insert(meshes.end(), page.items.begin(), page.items.end());
+    token = page.next_token;
+  } while (!token.empty());
+  COHORT_ASSIGN_OR_RETURN(std::unique_ptr<JobPlan> plan, JobPlan::Create(spec, meshes, {}));
+
+  Job wanted;
+  wanted.set = set;
+  wanted.spec = spec;
+  wanted.version = 1;
+  wanted.meshes = static_cast<int64_t>(meshes.size());
+  wanted.progress = plan->CurrentProgress();
+  Job created;
+  std::vector<Job> changes;
+  {
+    MutexLock lock(mutex_);
+    COHORT_ASSIGN_OR_RETURN(created, catalog_.CreateJob(wanted, meshes, request_id, WallMs()));
+    const auto running = active_.find(created.id);
+    if (running != active_.end()) {
+      return running->second.job;
+    }
+    if (IsFinal(created.state)) {
+      return created;
+    }
+    ActiveJob& active = active_[created.id];
+    active.job = created;
+    active.plan = std::move(plan);
+    COHORT_RETURN_IF_ERROR(Advance(active));
+    created = active.job;
+    changes = TakeChanges();
+  }
+  work_.NotifyAll();
+  Notify(changes);
+  return created;
+}
+
+absl::StatusOr<Job> Coordinator::GetJob(const JobId& id) {
+  {
+    MutexLock lock(mutex_);
+    const auto running = active_.find(id);
+    if (running != active_.end()) {
+      return running->second.job;
+    }
+  }
+  return catalog_.GetJob(id);
+}
+
+absl::StatusOr<Page<Job>> Coordinator::ListJobs(int page_size, const std::string& token) {
+  COHORT_ASSIGN_OR_RETURN(const int size, CheckPageSize(page_size));
+  COHORT_ASSIGN_OR_RETURN(Page<Job> page, catalog_.ListJobs(size, token));
+  MutexLock lock(mutex_);
+  for (Job& job : page.items) {
+    const auto running = active_.find(job.id);
+    if (running != active_.end()) {
+      job = running->second.job;
+    }
+  }
+  return page;
+}
+
+absl::StatusOr<Job> Coordinator::CancelJob(const JobId& id) {
+  std::vector<Job> changes;
+  {
+    MutexLock lock(mutex_);
+    const auto running = active_.find(id);
+    if (running != active_.end()) {
+      COHORT_RETURN_IF_ERROR(EndJob(running->second, JobState::kCancelled, ""));
+      changes = TakeChanges();
+    }
+  }
+  work_.NotifyAll();
+  Notify(changes);
+  return catalog_.GetJob(id);
+}
+
+absl::StatusOr<std::vector<JobMesh>> Coordinator::GetJobMeshes(const JobId& id) {
+  {
+    MutexLock lock(mutex_);
+    const auto running = active_.find(id);
+    if (running != active_.end()) {
+      return running->second.plan->Meshes();
+    }
+  }
+  return catalog_.GetJobMeshes(id);
+}
+
+absl::StatusOr<JobOutputs> Coordinator::GetOutputs(const JobId& id) {
+  COHORT_ASSIGN_OR_RETURN(const Job job, GetJob(id));
+  if (job.state != JobState::kSucceeded) {
+    return WithReason(absl::FailedPreconditionError(
+                          "job " + id.value + " is " + std::string(JobStateName(job.state)) +
+                          (job.error.empty() ? "" : " (" + job.error + ")") + ": it has no results"),
+                      "JOB_NOT_FINISHED");
+  }
+  return catalog_.GetOutputs(id);
+}
+
+absl::Status Coordinator::EndJob(ActiveJob& active, JobState state, const std::string& error) {
+  Job ended = active.job;
+  ended.state = state;
+  ended.error = error;
+  ended.finished_unix_ms = WallMs();
+  ended.progress = active.plan->CurrentProgress();
+  ended.counters = active.plan->TotalCounters();
+  ++ended.version;
+  const JobOutputs outputs = state == JobState::kSucceeded ? active.plan->Outputs() : JobOutputs{};
+  COHORT_RETURN_IF_ERROR(catalog_.FinishJob(ended, outputs, active.plan->Meshes()));
+  active.job = ended;
+  scheduler_.RemoveJob(ended.id);
+  changes_.push_back(ended);
+  return absl::OkStatus();
+}
+
+void Coordinator::Touch(ActiveJob& active) {
+  active.job.progress = active.plan->CurrentProgress();
+  active.job.counters = active.plan->TotalCounters();
+  const auto& meshes = active.plan->Meshes();
+  active.job.rejected_meshes = std::count_if(
+      meshes.begin(), meshes.end(), [](const JobMesh& mesh) { return !mesh.rejection.empty(); });
+  ++active.job.version;
+  changes_.push_back(active.job);
+}
+
+std::vector<Job> Coordinator::TakeChanges() {
+  std::erase_if(active_, [](const auto& entry) { return IsFinal(entry.second.job.state); });
+  return std::exchange(changes_, {});
+}
+
+void Coordinator::Notify(const std::vector<Job>& changes) {
+  if (observer_ != nullptr) {
+    for (const Job& job : changes) {
+      observer_->OnJobChanged(job);
+    }
+  }
+}
+
+void Coordinator::Stop() {
+  {
+    MutexLock lock(mutex_);
+    stopping_ = true;
+  }
+  work_.NotifyAll();
+}
+
+int64_t Coordinator::WallMs() const {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(clock_.WallNow().time_since_epoch())
+      .count();
+}
+
+}  // namespace cohort

@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+
+#include "common/base/status_macros.h"
+#include "server/planning/stage.h"
+
+namespace cohort {
+namespace {
+
+constexpr double kPoseSecondsPerVertex = 1e-6;
+constexpr double kAverageSecondsPerVertex = 1e-8;
+constexpr double kSecondsPerLookup = 2.5e-7;
+constexpr int kExpectedIterations = 60;  ///< Most alignments have converged by then.
+
+const Batch& BatchAt(const PlanState& state, int64_t task) {
+  return state.batches[static_cast<size_t>(task)];
+}
+
+/// Takes in an alignment blob per batch, then the rejections of all.
+absl::Status AbsorbAlignments(PlanState& state, std::span<const TaskResult> results) {
+  std::vector<MeshRejection> rejections;
+  for (size_t i = 0; i < results.size(); ++i) {
+    state.batches[i].alignment = results[i].output;
+    state.batches[i].displacement = results[i].second_output;
+    rejections.insert(rejections.end(), results[i].rejections.begin(), results[i].rejections.end());
+  }
+  state.Reject(rejections);
+  COHORT_RETURN_IF_ERROR(state.CheckEnoughLeft());
+  const JobMesh& base = state.meshes[static_cast<size_t>(state.base)];
+  // A mean shape does without its first reference; the other methods compare with the base mesh.
+  if (!base.rejection.empty() && state.spec.method != Method::kAverage) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("the base mesh ", base.mesh.name, " cannot be used: ", base.rejection));
+  }
+  return absl::OkStatus();
+}
+
+/// One task per batch: meshes, the reference, and where they were aligned before.
+Task MakeBatchTask(TaskKind kind, const PlanState& state, int64_t task) {
+  const Batch& batch = BatchAt(state, task);
+  Task made;
+  made.kind = kind;
+  made.meshes = state.TaskMeshes(batch.meshes);
+  made.reference = state.reference;
+  if (!batch.alignment.empty()) {
+    made.alignments = {batch.alignment};
+  }
+  made.counts_reference_index = task == 0;
+  return made;
+}
+
+class PoseStage final : public Stage {
+ public:
+  [[nodiscard]] std::string Name() const override { return "pose"; }
+  [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
+    return static_cast<int64_t>(state.batches.size());
+  }
+  [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
+    return state.VerticesOf(BatchAt(state, task).meshes) * kPoseSecondsPerVertex;
+  }
+  [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
+    return MakeBatchTask(TaskKind::kPose, state, task);
+  }
+  [[nodiscard]] absl::Status Absorb(PlanState& state,
+                                    std::span<const TaskResult> results) const override {
+    return AbsorbAlignments(state, results);
+  }
+};
+
+class AlignStage final : public Stage {
+ public:
+  AlignStage(std::string name, Displacement displacement)
+      : name_(std::move(name)), displacement_(displacement) {}
+
+  [[nodiscard]] std::string Name() const override { return name_; }
+  [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
+    return static_cast<int64_t>(state.batches.size());
+  }
+  [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
+    const Batch& batch = BatchAt(state, task);
+    double lookups = state.VerticesOf(batch.meshes) *
+                     std::min(state.spec.icp.max_iterations, kExpectedIterations);
+    if (displacement_ == Displacement::kWanted) {
+      lookups += state.VerticesOf(state.base) * static_cast<double>(batch.meshes.size());
+    }
+    return lookups * kSecondsPerLookup;
+  }
+  [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
+    Task made = MakeBatchTask(TaskKind::kAlign, state, task);
+    made.icp = state.spec.icp;
+    made.wants_displacement = displacement_ == Displacement::kWanted;
+    return made;
+  }
+  [[nodiscard]] absl::Status Absorb(PlanState& state,
+                                    std::span<const TaskResult> results) const override {
+    return AbsorbAlignments(state, results);
+  }
+
+ private:
+  std::string name_;
+  Displacement displacement_;
+};
+
+class AverageStage final : public Stage {
+ public:
+  explicit AverageStage(std::string name) : name_(std::move(name)) {}
+
+  [[nodiscard]] std::string Name() const override { return name_; }
+  [[nodiscard]] int64_t TaskCount(const PlanState& /*state*/) const override { return 1; }
+  [[nodiscard]] double TaskCost(const PlanState& state, int64_t /*task*/) const override {
+    return state.VerticesOf(state.base) * static_cast<double>(state.batches.size()) *
+           kAverageSecondsPerVertex;
+  }
+  [[nodiscard]] Task MakeTask(const PlanState& state, int64_t /*task*/) const override {
+    Task made;
+    made.kind = TaskKind::kAverage;
+    made.reference = state.reference;
+    for (const Batch& batch : state.batches) {
+      made.partials.push_back(batch.displacement);
+    }
+    return made;
+  }
+  [[nodiscard]] absl::Status Absorb(PlanState& state,
+                                    std::span<const TaskResult> results) const override {
+    state.reference = results.front().output;
+    return absl::OkStatus();
+  }
+
+ private:
+  std::string name_;
+};
+
+}  // namespace
+
+std::unique_ptr<const Stage> MakePoseStage() {
+  return std::make_unique<PoseStage>();
+}
+
+std::unique_ptr<const Stage> MakeAlignStage(const std::string& name, Displacement displacement) {
+  return std::make_unique<AlignStage>(name, displacement);
+}
+
+std::unique_ptr<const Stage> MakeAverageStage(const std::string& name) {
+  return std::make_unique<AverageStage>(name);
+}
+
+}  // namespace cohort

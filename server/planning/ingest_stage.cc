@@ -1,0 +1,104 @@
+#include <algorithm>
+
+#include <absl/strings/str_cat.h>
+
+#include "common/base/status_macros.h"
+#include "server/planning/ingest_checks.h"
+#include "server/planning/stage.h"
+
+namespace cohort {
+namespace {
+
+constexpr double kSecondsPerByte = 1e-6;
+constexpr int64_t kMeshesPerBatchStep = 64;
+constexpr int64_t kMaxBatchSize = 8;
+
+/// The base mesh that the job names, or else the first that can be used.
+absl::Status ChooseBase(PlanState& state) {
+  if (state.spec.base.empty()) {
+    state.base = state.active.front();
+  }
+  const JobMesh& base = state.meshes[static_cast<size_t>(state.base)];
+  if (!base.rejection.empty()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("the base mesh ", base.mesh.name, " cannot be used: ", base.rejection));
+  }
+  state.reference = base.ingested->blob;
+  return absl::OkStatus();
+}
+
+/// Raw files to canonical meshes. Batches are cut from all meshes, known or not, so that a task
+/// keeps its number when a restarted server knows more meshes than the first one did.
+class IngestStage final : public Stage {
+ public:
+  [[nodiscard]] std::string Name() const override { return "ingest"; }
+
+  [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
+    const auto meshes = static_cast<int64_t>(state.meshes.size());
+    return (meshes + BatchSize(state) - 1) / BatchSize(state);
+  }
+
+  [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
+    double bytes = 0;
+    for (const int32_t mesh : UnknownMeshes(state, task)) {
+      bytes += static_cast<double>(state.meshes[static_cast<size_t>(mesh)].mesh.size_bytes);
+    }
+    return bytes * kSecondsPerByte;
+  }
+
+  [[nodiscard]] bool IsKnown(const PlanState& state, int64_t task) const override {
+    return UnknownMeshes(state, task).empty();
+  }
+
+  [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
+    Task made;
+    made.kind = TaskKind::kIngest;
+    made.position_bits = state.spec.position_bits;
+    for (const int32_t index : UnknownMeshes(state, task)) {
+      const SetMesh& mesh = state.meshes[static_cast<size_t>(index)].mesh;
+      made.meshes.push_back({index, mesh.name, mesh.raw});
+    }
+    return made;
+  }
+
+  [[nodiscard]] absl::Status Absorb(PlanState& state,
+                                    std::span<const TaskResult> results) const override {
+    for (const TaskResult& result : results) {
+      for (const IngestedMesh& mesh : result.ingested) {
+        state.meshes[static_cast<size_t>(mesh.index)].ingested = mesh;
+      }
+      state.Reject(result.rejections);
+    }
+    COHORT_RETURN_IF_ERROR(state.CheckEnoughLeft());
+    COHORT_RETURN_IF_ERROR(ChooseBase(state));
+    state.FormBatches();
+    return CheckSizesFit(state);
+  }
+
+ private:
+  static int64_t BatchSize(const PlanState& state) {
+    return std::clamp<int64_t>(static_cast<int64_t>(state.meshes.size()) / kMeshesPerBatchStep, 1,
+                               kMaxBatchSize);
+  }
+
+  static std::vector<int32_t> UnknownMeshes(const PlanState& state, int64_t task) {
+    const int64_t begin = task * BatchSize(state);
+    const int64_t end =
+        std::min(begin + BatchSize(state), static_cast<int64_t>(state.meshes.size()));
+    std::vector<int32_t> unknown;
+    for (int64_t mesh = begin; mesh < end; ++mesh) {
+      if (!state.meshes[static_cast<size_t>(mesh)].ingested) {
+        unknown.push_back(static_cast<int32_t>(mesh));
+      }
+    }
+    return unknown;
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<const Stage> MakeIngestStage() {
+  return std::make_unique<IngestStage>();
+}
+
+}  // namespace cohort

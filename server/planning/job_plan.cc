@@ -1,0 +1,78 @@
+#include "server/planning/job_plan.h"
+
+#include <numeric>
+#include <utility>
+
+#include <absl/strings/str_cat.h>
+
+#include "common/base/status_macros.h"
+#include "server/planning/plan_state.h"
+#include "server/planning/plan_steps.h"
+#include "server/planning/staged_plan.h"
+
+namespace cohort {
+namespace {
+
+absl::Status CheckMeshes(const std::vector<SetMesh>& meshes) {
+  if (meshes.size() < 2) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a comparison needs 2 meshes, the set has ", meshes.size()));
+  }
+  for (size_t i = 1; i < meshes.size(); ++i) {
+    if (meshes[i - 1].name >= meshes[i].name) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "mesh ", meshes[i].name, " is twice there or out of order after ", meshes[i - 1].name));
+    }
+  }
+  return absl::OkStatus();
+}
+
+/// The mesh that the job names as its base; the first one if it names none.
+absl::StatusOr<int32_t> FindBase(const std::string& name, const std::vector<SetMesh>& meshes) {
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    if (name.empty() || meshes[i].name == name) {
+      return static_cast<int32_t>(i);
+    }
+  }
+  return absl::InvalidArgumentError(absl::StrCat("the base mesh ", name, " is not among the ",
+                                                 meshes.size(), " meshes (", meshes.front().name,
+                                                 " to ", meshes.back().name, ")"));
+}
+
+absl::Status AddKnown(const std::vector<IngestedMesh>& known, std::vector<JobMesh>& meshes) {
+  for (const IngestedMesh& mesh : known) {
+    if (mesh.index < 0 || mesh.index >= static_cast<int32_t>(meshes.size())) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("known mesh has index ", mesh.index, " of ", meshes.size()));
+    }
+    JobMesh& target = meshes[static_cast<size_t>(mesh.index)];
+    if (target.ingested || mesh.blob.empty()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "known mesh ", target.mesh.name, mesh.blob.empty() ? " has no blob" : " is there twice"));
+    }
+    target.ingested = mesh;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<JobPlan>> JobPlan::Create(const JobSpec& spec,
+                                                         const std::vector<SetMesh>& meshes,
+                                                         const std::vector<IngestedMesh>& known) {
+  COHORT_RETURN_IF_ERROR(spec.Validate());
+  COHORT_RETURN_IF_ERROR(CheckMeshes(meshes));
+  PlanState state;
+  state.spec = spec;
+  COHORT_ASSIGN_OR_RETURN(state.base, FindBase(spec.base, meshes));
+  for (const SetMesh& mesh : meshes) {
+    state.meshes.push_back({.mesh = mesh, .ingested = std::nullopt, .rejection = {}});
+  }
+  COHORT_RETURN_IF_ERROR(AddKnown(known, state.meshes));
+  state.active.resize(meshes.size());
+  std::iota(state.active.begin(), state.active.end(), 0);
+  state.FormBatches();
+  return StagedPlan::Start(std::move(state), MakeSteps(spec));
+}
+
+}  // namespace cohort

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+
+#include "common/jobs/job_state.h"
+#include "common/jobs/task.h"
+
+namespace cohort {
+
+/// Meshes that go through the alignments together, and what has come of them so far. A batch keeps
+/// its identity when meshes leave it.
+struct Batch {
+  std::vector<int32_t> meshes;  ///< Active ones, ascending; never empty.
+  Digest alignment;             ///< Newest alignment blob that holds them; empty: none yet.
+  Digest displacement;          ///< Newest displacement blob.
+};
+
+/// What a plan knows of its job between two steps. Everything here follows from the job and the
+/// results alone, never from the workers.
+struct PlanState {
+  JobSpec spec;
+  std::vector<JobMesh> meshes;     ///< In the job's order.
+  std::vector<int32_t> active;     ///< Meshes still in the job, ascending.
+  std::vector<Batch> batches;      ///< All active meshes, in order. Provisional until ingest ends.
+  int32_t base = 0;                ///< The base mesh. Provisional until ingest ends.
+  Digest reference;                ///< Newest reference: the base mesh or the last mean shape.
+  std::vector<Digest> variations;  ///< Variation blobs in batch order.
+  JobOutputs outputs;
+
+  [[nodiscard]] int64_t ActiveCount() const { return static_cast<int64_t>(active.size()); }
+  /// Known after ingest; before, a guess from the file's size.
+  [[nodiscard]] double VerticesOf(int32_t mesh) const;
+  [[nodiscard]] double VerticesOf(const std::vector<int32_t>& chosen) const;
+  /// The canonical meshes; only after ingest.
+  [[nodiscard]] std::vector<TaskMesh> TaskMeshes(const std::vector<int32_t>& chosen) const;
+  /// Alignment blobs of the batches that hold `chosen` (active, ascending), each once, in batch
+  /// order. Empty while nothing is aligned.
+  [[nodiscard]] std::vector<Digest> AlignmentsOf(const std::vector<int32_t>& chosen) const;
+
+  /// Divides the active meshes into new batches.
+  void FormBatches();
+  /// Takes meshes out of the job; batches left empty are dropped.
+  void Reject(const std::vector<MeshRejection>& rejections);
+  /// @return kFailedPrecondition, naming the first rejections, if fewer than 2 meshes are left.
+  [[nodiscard]] absl::Status CheckEnoughLeft() const;
+};
+
+/// Consecutive pieces of `size` meshes, the last one shorter.
+[[nodiscard]] std::vector<std::vector<int32_t>> SplitEvenly(const std::vector<int32_t>& meshes,
+                                                            int64_t size);
+
+}  // namespace cohort

@@ -1,0 +1,92 @@
+#include "server/planning/result_check.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <absl/strings/str_cat.h>
+
+#include "common/base/status_macros.h"
+
+namespace cohort {
+namespace {
+
+absl::Status Misfit(const Task& task, const std::string& problem) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("result of task ", task.number, " (", task.stage, "): ", problem));
+}
+
+bool HasMesh(const Task& task, int32_t index) {
+  return std::any_of(task.meshes.begin(), task.meshes.end(),
+                     [index](const TaskMesh& mesh) { return mesh.index == index; });
+}
+
+/// Every mesh of the task exactly once. A task that was planned before a restart may answer for
+/// more meshes than it has now; those are known already.
+absl::Status CheckIngested(const PlanState& state, const Task& task, const TaskResult& result) {
+  std::set<int32_t> answered;
+  const auto answer = [&](int32_t index) -> absl::Status {
+    const bool in_job = index >= 0 && index < static_cast<int32_t>(state.meshes.size());
+    const bool expected = HasMesh(task, index) ||
+                          (in_job && state.meshes[static_cast<size_t>(index)].ingested.has_value());
+    if (!expected || !answered.insert(index).second) {
+      return Misfit(task, absl::StrCat("mesh ", index, expected ? " twice" : " is not of it"));
+    }
+    return absl::OkStatus();
+  };
+  for (const IngestedMesh& mesh : result.ingested) {
+    COHORT_RETURN_IF_ERROR(answer(mesh.index));
+    if (mesh.blob.empty()) {
+      return Misfit(task, absl::StrCat("mesh ", mesh.index, " without a blob"));
+    }
+  }
+  for (const MeshRejection& rejection : result.rejections) {
+    COHORT_RETURN_IF_ERROR(answer(rejection.index));
+    if (!HasMesh(task, rejection.index)) {
+      return Misfit(task, absl::StrCat("mesh ", rejection.index, " was accepted before"));
+    }
+  }
+  for (const TaskMesh& mesh : task.meshes) {
+    if (!answered.contains(mesh.index)) {
+      return Misfit(task, absl::StrCat(mesh.name, " is neither ingested nor rejected"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+bool MayReject(TaskKind kind) {
+  return kind == TaskKind::kPose || kind == TaskKind::kAlign;
+}
+
+bool HasSecondOutput(const Task& task) {
+  return task.wants_displacement || task.kind == TaskKind::kAlignAndCompare ||
+         task.kind == TaskKind::kSummarize;
+}
+
+}  // namespace
+
+absl::Status CheckResult(const PlanState& state, const Task& task, const TaskResult& result) {
+  if (task.kind == TaskKind::kIngest) {
+    return CheckIngested(state, task, result);
+  }
+  std::set<int32_t> rejected;
+  for (const MeshRejection& rejection : result.rejections) {
+    if (!MayReject(task.kind) || !HasMesh(task, rejection.index)) {
+      return Misfit(task, absl::StrCat("mesh ", rejection.index, " is not its to reject"));
+    }
+    rejected.insert(rejection.index);
+  }
+  if (MayReject(task.kind) && rejected.size() == task.meshes.size()) {
+    return absl::OkStatus();  // Nothing was left to write about.
+  }
+  if (result.output.empty()) {
+    return Misfit(task, "no output");
+  }
+  if (HasSecondOutput(task) && result.second_output.empty()) {
+    return Misfit(task, "no second output");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace cohort

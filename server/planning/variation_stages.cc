@@ -1,0 +1,81 @@
+#include "server/planning/stage.h"
+
+namespace cohort {
+namespace {
+
+constexpr double kSecondsPerLookup = 3e-7;
+constexpr double kSummarizeSecondsPerDistance = 1e-7;
+
+/// Distances of each reference vertex to the aligned meshes of one batch.
+class VariationStage final : public Stage {
+ public:
+  [[nodiscard]] std::string Name() const override { return "variation"; }
+  [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
+    return static_cast<int64_t>(state.batches.size());
+  }
+  [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
+    const Batch& batch = state.batches[static_cast<size_t>(task)];
+    return state.VerticesOf(state.base) * static_cast<double>(batch.meshes.size()) *
+           kSecondsPerLookup;
+  }
+  [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
+    const Batch& batch = state.batches[static_cast<size_t>(task)];
+    Task made;
+    made.kind = TaskKind::kVariation;
+    made.meshes = state.TaskMeshes(batch.meshes);
+    made.reference = state.reference;
+    if (!batch.alignment.empty()) {
+      made.alignments = {batch.alignment};
+    }
+    return made;
+  }
+  [[nodiscard]] absl::Status Absorb(PlanState& state,
+                                    std::span<const TaskResult> results) const override {
+    for (const TaskResult& result : results) {
+      state.variations.push_back(result.output);
+    }
+    return absl::OkStatus();
+  }
+};
+
+/// Per-vertex metrics over all meshes, and the mean shape.
+class SummarizeStage final : public Stage {
+ public:
+  explicit SummarizeStage(LastShape last_shape) : last_shape_(last_shape) {}
+
+  [[nodiscard]] std::string Name() const override { return "summarize"; }
+  [[nodiscard]] int64_t TaskCount(const PlanState& /*state*/) const override { return 1; }
+  [[nodiscard]] double TaskCost(const PlanState& state, int64_t /*task*/) const override {
+    return state.VerticesOf(state.base) * static_cast<double>(state.ActiveCount()) *
+           kSummarizeSecondsPerDistance;
+  }
+  [[nodiscard]] Task MakeTask(const PlanState& state, int64_t /*task*/) const override {
+    Task made;
+    made.kind = TaskKind::kSummarize;
+    made.reference = state.reference;
+    made.partials = state.variations;
+    made.moves_reference = last_shape_ == LastShape::kReferencePlusDisplacement;
+    return made;
+  }
+  [[nodiscard]] absl::Status Absorb(PlanState& state,
+                                    std::span<const TaskResult> results) const override {
+    state.outputs.summary = results.front().output;
+    state.outputs.mean_shape = results.front().second_output;
+    return absl::OkStatus();
+  }
+
+ private:
+  LastShape last_shape_;
+};
+
+}  // namespace
+
+std::unique_ptr<const Stage> MakeVariationStage() {
+  return std::make_unique<VariationStage>();
+}
+
+std::unique_ptr<const Stage> MakeSummarizeStage(LastShape last_shape) {
+  return std::make_unique<SummarizeStage>(last_shape);
+}
+
+}  // namespace cohort

@@ -1,0 +1,167 @@
+#include "server/server.h"
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <spdlog/spdlog.h>
+
+#include "common/base/status_macros.h"
+#include "common/base/version.h"
+#include "common/rpc/channel.h"
+#include "server/services/blob_service.h"
+#include "server/services/job_service.h"
+#include "server/services/mesh_service.h"
+#include "server/services/result_service.h"
+#include "server/services/worker_service.h"
+
+namespace cohort {
+namespace {
+
+constexpr std::chrono::seconds kDrainTime(5);
+constexpr double kOldUploadSeconds = 24 * 3600;
+
+void SetUp(grpc::ServerBuilder& builder) {
+  builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
+  builder.SetMaxSendMessageSize(kMaxMessageBytes);
+  // Two servers on one port would share its connections at random.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 30'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 10'000);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+}
+
+/// "HOST:0" with the port that was found.
+std::string BoundAddress(const std::string& address, int port) {
+  if (address.rfind("unix:", 0) == 0) {
+    return address;
+  }
+  return address.substr(0, address.rfind(':') + 1) + std::to_string(port);
+}
+
+absl::Status WritePortFile(const std::string& path, const std::vector<std::string>& addresses) {
+  // Written aside and renamed: a reader never sees half a file.
+  const std::string aside = path + ".new";
+  std::ofstream file(aside);
+  for (const std::string& address : addresses) {
+    file << address << '\n';
+  }
+  file.close();
+  std::error_code error;
+  if (file) {
+    std::filesystem::rename(aside, path, error);
+  }
+  if (!file || error) {
+    return absl::UnavailableError("--port-file " + path + " cannot be written");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+struct Server::Services {
+  Services(Coordinator& coordinator, BlobStore& store)
+      : mesh(coordinator), job(coordinator, hub), result(coordinator), blob(store),
+        worker(coordinator) {
+    coordinator.SetObserver(&hub);
+  }
+  JobWatchHub hub;
+  MeshServiceSkin mesh;
+  JobServiceSkin job;
+  ResultServiceSkin result;
+  BlobServiceSkin blob;
+  WorkerServiceSkin worker;
+  std::unique_ptr<grpc::Server> grpc_server;
+};
+
+absl::Status ServerOptions::Validate() const {
+  if (listen.empty()) {
+    return absl::InvalidArgumentError("--listen: at least one address is needed");
+  }
+  for (const std::string& address : listen) {
+    COHORT_RETURN_IF_ERROR(NormalizeAddress(address).status());
+  }
+  if (!std::isfinite(lease_seconds) || lease_seconds < 1 || lease_seconds > 3600) {
+    return absl::InvalidArgumentError("--lease-seconds " + std::to_string(lease_seconds) +
+                                      ": expected 1 to 3600");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
+  COHORT_RETURN_IF_ERROR(options.Validate());
+  std::error_code error;
+  std::filesystem::create_directories(options.data_dir, error);
+  if (error) {
+    return absl::UnavailableError("data folder " + options.data_dir +
+                                  " cannot be created: " + error.message());
+  }
+  std::unique_ptr<Server> server(new Server());
+  const std::filesystem::path data = options.data_dir;
+  COHORT_ASSIGN_OR_RETURN(server->catalog_, Catalog::Open(data / "catalog.db"));
+  COHORT_ASSIGN_OR_RETURN(server->store_, DirectoryBlobStore::Create(data / "blobs"));
+  COHORT_RETURN_IF_ERROR(server->store_->SweepIncoming(kOldUploadSeconds));
+  CoordinatorOptions core;
+  core.scheduler.lease_seconds = options.lease_seconds;
+  core.build = std::string(BuildVersion());
+  COHORT_ASSIGN_OR_RETURN(server->coordinator_, Coordinator::Create(core, *server->catalog_,
+                                                                    *server->store_,
+                                                                    server->clock_));
+  server->services_ = std::make_unique<Services>(*server->coordinator_, *server->store_);
+  COHORT_RETURN_IF_ERROR(server->Listen(options));
+  return server;
+}
+
+absl::Status Server::Listen(const ServerOptions& options) {
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  SetUp(builder);
+  std::vector<int> ports(options.listen.size(), 0);
+  std::vector<std::string> normalized;
+  for (size_t i = 0; i < options.listen.size(); ++i) {
+    COHORT_ASSIGN_OR_RETURN(const std::string address, NormalizeAddress(options.listen[i]));
+    builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &ports[i]);
+    normalized.push_back(address);
+  }
+  builder.RegisterService(&services_->mesh);
+  builder.RegisterService(&services_->job);
+  builder.RegisterService(&services_->result);
+  builder.RegisterService(&services_->blob);
+  builder.RegisterService(&services_->worker);
+  services_->grpc_server = builder.BuildAndStart();
+  for (size_t i = 0; i < ports.size(); ++i) {
+    if (services_->grpc_server == nullptr || ports[i] == 0) {
+      return absl::UnavailableError("cannot listen on " + normalized[i] +
+                                    ": is another server using it?");
+    }
+    addresses_.push_back(BoundAddress(normalized[i], ports[i]));
+    spdlog::info("event=listening address={}", addresses_.back());
+  }
+  return options.port_file.empty() ? absl::OkStatus() : WritePortFile(options.port_file, addresses_);
+}
+
+void Server::Stop() {
+  if (services_ == nullptr || services_->grpc_server == nullptr) {
+    return;
+  }
+  services_->grpc_server->GetHealthCheckService()->SetServingStatus(false);
+  coordinator_->Stop();
+  services_->hub.Close();
+  services_->grpc_server->Shutdown(std::chrono::system_clock::now() + kDrainTime);
+  services_->grpc_server->Wait();
+  services_->grpc_server.reset();
+  spdlog::info("event=stopped");
+}
+
+Server::~Server() {
+  Stop();
+}
+
+}  // namespace cohort

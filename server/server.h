@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "common/base/clock.h"
+#include "common/store/directory_blob_store.h"
+#include "server/catalog/catalog.h"
+#include "server/core/coordinator.h"
+#include "server/server_options.h"
+
+namespace cohort {
+
+/// The server process's parts, put together: catalog, store, coordinator, gRPC listeners.
+class Server {
+ public:
+  /// Opens the data folder, takes up unfinished jobs and listens.
+  /// @return naming the folder or the address and the reason.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerOptions& options);
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// As clients can use them: "127.0.0.1:40123", "unix:/run/cohort.sock".
+  [[nodiscard]] const std::vector<std::string>& Addresses() const { return addresses_; }
+
+  /// Refuses new calls, lets those under way end (5 s), closes. Called by the destructor if needed.
+  void Stop();
+
+ private:
+  struct Services;
+  Server() = default;
+  absl::Status Listen(const ServerOptions& options);
+
+  SystemClock clock_;
+  std::unique_ptr<Catalog> catalog_;
+  std::unique_ptr<DirectoryBlobStore> store_;
+  std::unique_ptr<Coordinator> coordinator_;
+  std::unique_ptr<Services> services_;
+  std::vector<std::string> addresses_;
+};
+
+}  // namespace cohort

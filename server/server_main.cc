@@ -1,0 +1,70 @@
+#include "server/server_main.h"
+
+#include <exception>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "common/base/process.h"
+#include "common/base/version.h"
+#include "server/server.h"
+
+namespace cohort {
+namespace {
+
+int Serve(const ServerOptions& options) {
+  // Logs go to stderr; stdout is for the addresses.
+  spdlog::set_default_logger(spdlog::stderr_color_mt("cohort-server"));
+  spdlog::set_level(spdlog::level::from_str(options.log_level));
+  BlockStopSignals();
+  const absl::StatusOr<std::unique_ptr<Server>> server = Server::Start(options);
+  if (!server.ok()) {
+    std::cerr << "cohort-server: " << server.status().message() << "\n";
+    return server.status().code() == absl::StatusCode::kInvalidArgument ? 2 : 1;
+  }
+  for (const std::string& address : (*server)->Addresses()) {
+    std::cout << "listening on " << address << std::endl;
+  }
+  const int signal = WaitForStopSignal(nullptr, options.exit_with_parent);
+  spdlog::info("event=stopping signal={}", signal);
+  (*server)->Stop();
+  return 0;
+}
+
+}  // namespace
+
+int ServerMain(int argc, char** argv) {
+  try {
+    CLI::App app("cohort-server: coordinates the alignment and comparison of meshes.\n\n"
+                 "Example: cohort-server --data /var/lib/cohort --listen 0.0.0.0:7450");
+    ServerOptions options;
+    app.set_version_flag("--version", std::string(BuildVersion()));
+    app.add_option("--data", options.data_dir, "folder of catalog and blobs")->capture_default_str();
+    app.add_option("--listen", options.listen,
+                   "address: HOST:PORT (port 0: a free one) or unix:PATH; may be repeated")
+        ->capture_default_str();
+    app.add_option("--lease-seconds", options.lease_seconds,
+                   "a worker silent for this long loses its tasks")
+        ->capture_default_str();
+    app.add_option("--port-file", options.port_file, "write the addresses there, one a line");
+    app.add_option("--log-level", options.log_level, "debug, info, warn, error or off")
+        ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
+        ->capture_default_str();
+    app.add_option("--exit-with-parent", options.exit_with_parent,
+                   "end when this process (the parent) ends")
+        ->group("");
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      return app.exit(error) == 0 ? 0 : 2;
+    }
+    return Serve(options);
+  } catch (const std::exception& error) {
+    std::cerr << "cohort-server: " << error.what() << "\n";
+    return 1;
+  }
+}
+
+}  // namespace cohort

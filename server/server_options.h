@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <absl/status/status.h>
+
+namespace cohort {
+
+struct ServerOptions {
+  std::string data_dir = "cohort-data";            ///< Catalog and blobs.
+  std::vector<std::string> listen = {"127.0.0.1:7450"};  ///< HOST:PORT (port 0: a free one), unix:PATH.
+  double lease_seconds = 60;
+  std::string port_file;  ///< If set, the addresses listened on are written there, one a line.
+  std::string log_level = "info";
+  /// The server ends when this process (its parent) does; 0: it does not look.
+  int exit_with_parent = 0;
+
+  /// @return kInvalidArgument naming the option.
+  [[nodiscard]] absl::Status Validate() const;
+};
+
+}  // namespace cohort

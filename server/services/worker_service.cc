@@ -1,0 +1,75 @@
+#include "server/services/worker_service.h"
+
+#include <algorithm>
+
+#include "common/rpc/convert.h"
+#include "common/rpc/grpc_status.h"
+
+namespace cohort {
+namespace {
+
+constexpr double kMaxWaitSeconds = 20;
+
+}  // namespace
+
+grpc::Status WorkerServiceSkin::Synchronize(grpc::ServerContext* context,
+                                            const v1::SynchronizeRequest* request,
+                                            v1::SynchronizeResponse* response) {
+  WorkerReport report;
+  report.worker = WorkerId{request->worker()};
+  report.build = request->build();
+  for (const v1::Lease& lease : request->held()) {
+    report.held.push_back(FromProto(lease));
+  }
+  report.free_slots = request->free_slots();
+  report.wait_seconds = std::clamp(request->wait_ms() / 1000.0, 0.0, kMaxWaitSeconds);
+  const absl::StatusOr<WorkerOrders> orders =
+      coordinator_.Synchronize(report, [context] { return context->IsCancelled(); });
+  if (!orders.ok()) {
+    return ToGrpcStatus(orders.status());
+  }
+  for (const GrantedTask& granted : orders->grants) {
+    auto* grant = response->add_grants();
+    *grant->mutable_lease() = ToProto(granted.lease);
+    *grant->mutable_task() = ToProto(granted.task);
+  }
+  for (const Lease& lease : orders->lost) {
+    *response->add_lost() = ToProto(lease);
+  }
+  response->set_next_sync_ms(static_cast<int>(orders->next_sync_seconds * 1000));
+  response->set_lease_ms(static_cast<int>(orders->lease_seconds * 1000));
+  return grpc::Status::OK;
+}
+
+grpc::Status WorkerServiceSkin::CompleteTask(grpc::ServerContext* /*context*/,
+                                             const v1::CompleteTaskRequest* request,
+                                             v1::CompleteTaskResponse* response) {
+  const absl::StatusOr<TaskResult> result = FromProto(request->result());
+  if (!result.ok()) {
+    return ToGrpcStatus(result.status());
+  }
+  const absl::StatusOr<bool> taken = coordinator_.CompleteTask(
+      WorkerId{request->worker()}, FromProto(request->lease()), *result);
+  if (!taken.ok()) {
+    return ToGrpcStatus(taken.status());
+  }
+  response->set_superseded(!*taken);
+  return grpc::Status::OK;
+}
+
+grpc::Status WorkerServiceSkin::ReleaseTask(grpc::ServerContext* /*context*/,
+                                            const v1::ReleaseTaskRequest* request,
+                                            v1::ReleaseTaskResponse* /*response*/) {
+  return ToGrpcStatus(
+      coordinator_.ReleaseTask(WorkerId{request->worker()}, FromProto(request->lease())));
+}
+
+grpc::Status WorkerServiceSkin::FailTask(grpc::ServerContext* /*context*/,
+                                         const v1::FailTaskRequest* request,
+                                         v1::FailTaskResponse* /*response*/) {
+  const absl::Status failure(static_cast<absl::StatusCode>(request->code()), request->message());
+  return ToGrpcStatus(
+      coordinator_.FailTask(WorkerId{request->worker()}, FromProto(request->lease()), failure));
+}
+
+}  // namespace cohort

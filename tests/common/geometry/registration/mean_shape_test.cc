@@ -1,0 +1,73 @@
+#include "common/geometry/registration/mean_shape.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/common/geometry/registration/bumpy_surface.h"
+
+namespace cohort {
+namespace {
+
+using testing::BumpySurface;
+using testing::MakeSimilarity;
+
+TEST(DisplacementToMesh, EqualsBruteForce) {
+  const Eigen::Matrix3Xd reference = BumpySurface(15).vertices.colwise() + Eigen::Vector3d(9, 8, 7);
+  const Eigen::Matrix3Xd source = BumpySurface(20, 2, 3).vertices;
+  const Similarity T = MakeSimilarity(1.1, 12, {1, 2, 3}, {10, 8, 5});
+  const Eigen::Matrix3Xd aligned = T.Apply(source);
+  Eigen::Matrix3Xd expected(3, reference.cols());
+  for (Eigen::Index k = 0; k < reference.cols(); ++k) {
+    Eigen::Index nearest = 0;
+    (aligned.colwise() - reference.col(k)).colwise().squaredNorm().minCoeff(&nearest);
+    expected.col(k) = aligned.col(nearest) - reference.col(k);
+  }
+  EXPECT_TRUE(DisplacementToMesh(reference, source, T).isApprox(expected, 1e-12));
+}
+
+TEST(DisplacementToMesh, IsZeroToTheMeshItself) {
+  const Eigen::Matrix3Xd reference = BumpySurface(15).vertices;
+  EXPECT_EQ(DisplacementToMesh(reference, reference, {}),
+            Eigen::Matrix3Xd::Zero(3, reference.cols()));
+}
+
+TEST(DisplacementToMesh, IsASmallShiftOfACopy) {
+  const Eigen::Matrix3Xd reference = BumpySurface(15).vertices;
+  const Eigen::Vector3d shift(0.01, -0.02, 0.03);
+  const Eigen::Matrix3Xd displacement =
+      DisplacementToMesh(reference, reference.colwise() + shift, {});
+  EXPECT_TRUE(displacement.isApprox(shift.replicate(1, reference.cols()), 1e-10));
+}
+
+TEST(MoveByMeanDisplacement, AddsTheMeanOfAllBatches) {
+  const Eigen::Matrix3Xd reference = BumpySurface(5).vertices;
+  const Eigen::Vector3d step(3, -6, 9);
+  const Eigen::Matrix3Xd once = step.replicate(1, reference.cols());
+  const std::vector<Eigen::Matrix3Xd> partial_sums = {2 * once, -once, 5 * once};
+  EXPECT_TRUE(
+      MoveByMeanDisplacement(reference, partial_sums, 12).isApprox(reference + 0.5 * once, 1e-14));
+}
+
+TEST(MoveByMeanDisplacement, LeavesTheReferenceWithoutBatches) {
+  const Eigen::Matrix3Xd reference = BumpySurface(5).vertices;
+  EXPECT_EQ(MoveByMeanDisplacement(reference, {}, 3), reference);
+}
+
+TEST(MeanShape, MovesAFlatReferenceToTheMeanHeight) {
+  // Sheets of one grid at heights 0, 1, 5, 6: each nearest vertex is straight above.
+  Eigen::Matrix3Xd reference(3, 400);
+  for (Eigen::Index i = 0; i < 400; ++i) {
+    reference.col(i) << static_cast<double>(10 * (i / 20)), static_cast<double>(10 * (i % 20)), 0;
+  }
+  std::vector<Eigen::Matrix3Xd> displacements;
+  for (const double height : {0.0, 1.0, 5.0, 6.0}) {
+    displacements.push_back(
+        DisplacementToMesh(reference, reference.colwise() + Eigen::Vector3d(0, 0, height), {}));
+  }
+  const Eigen::Matrix3Xd mean = MoveByMeanDisplacement(reference, displacements, 4);
+  EXPECT_EQ(mean, reference.colwise() + Eigen::Vector3d(0, 0, 3));
+}
+
+}  // namespace
+}  // namespace cohort

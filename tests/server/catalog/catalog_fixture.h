@@ -1,0 +1,90 @@
+#pragma once
+
+#include <sqlite3.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/catalog/catalog.h"
+#include "tests/common/store/scratch_folder.h"
+#include "tests/testing/status_matchers.h"
+
+namespace cohort::testing {
+
+/// A mesh with made-up bytes and labels.
+inline SetMesh SomeMesh(const std::string& name) {
+  return {.name = name,
+          .raw = Sha256::Of(name),
+          .size_bytes = 5'000'000'000,
+          .labels = {{"person", "p \"1\""}, {"věk", "33"}}};
+}
+
+inline IngestedMesh SomeIngested(const std::string& name) {
+  IngestedMesh mesh;
+  mesh.blob = Sha256::Of("canonical " + name);
+  mesh.vertices = 5120;
+  mesh.faces = 10'000;
+  mesh.centroid = {1.0 / 3, -2e-300, 4};
+  mesh.health.vertices = 5121;
+  mesh.health.boundary_share = 0.1;
+  mesh.health.warnings = {"4 components; the largest has 97 % of faces"};
+  return mesh;
+}
+
+inline Job SomeJob(const std::string& set) {
+  Job job;
+  job.set = set;
+  job.spec.rounds = 7;
+  job.spec.base = "b.ply";
+  return job;
+}
+
+inline TaskRecord SomeTask(int64_t number) {
+  TaskRecord task;
+  task.number = number;
+  task.epoch = 3'000'000'000;
+  task.failures = 1;
+  task.losses = 2;
+  task.worker = "host-12-ab";
+  task.last_error = "mesh 'x': no\nfaces";
+  return task;
+}
+
+inline TaskResult SomeResult() {
+  TaskResult result;
+  result.output = Sha256::Of("output");
+  result.ingested = {SomeIngested("a"), SomeIngested("b")};
+  result.ingested[1].index = 1;
+  result.rejections = {{2, "NaN"}};
+  result.counters.align.lookups = 123'456'789'012;
+  result.seconds = 0.1;
+  return result;
+}
+
+/// A catalog in a folder of its own.
+class CatalogTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::filesystem::path File() const { return folder_.Path() / "catalog.db"; }
+  void Reopen() {
+    catalog_.reset();
+    catalog_ = Catalog::Open(File()).value();
+  }
+  /// Runs SQL on the closed catalog behind its back.
+  void Tamper(const std::string& sql) const {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(File().c_str(), &database), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
+        << sqlite3_errmsg(database);
+    sqlite3_close(database);
+  }
+
+  ScratchFolder folder_;
+  std::unique_ptr<Catalog> catalog_ = Catalog::Open(File()).value();
+};
+
+}  // namespace cohort::testing

@@ -1,0 +1,538 @@
+#include "server/planning/job_plan.h"
+
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/server/planning/fake_job.h"
+
+namespace cohort {
+namespace {
+
+using ::cohort::testing::FakeJob;
+using ::cohort::testing::IsOk;
+using ::cohort::testing::SpecOf;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+// ---- Exact plans, task by task ----
+
+TEST(PlanToAverage, IsThisForThreeMeshesAndTwoRounds) {
+  FakeJob job(3);
+  const auto plan = job.Plan(SpecOf(Method::kAverage, PoseMode::kPrincipalAxes, 2));
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",                                                 //
+                          "1 ingest: b raw",                                                 //
+                          "2 ingest: c raw",                                                 //
+                          "--",                                                              //
+                          "3 pose: a | to a | counts index",                                 //
+                          "4 pose: b | to a",                                                //
+                          "5 pose: c | to a",                                                //
+                          "--",                                                              //
+                          "6 align 1: a | to a | from pose#3 | displacement, counts index",  //
+                          "7 align 1: b | to a | from pose#4 | displacement",                //
+                          "8 align 1: c | to a | from pose#5 | displacement",                //
+                          "--",                                                              //
+                          "9 average 1: | to a | of align 1#6+ align 1#7+ align 1#8+",       //
+                          "--",                                                              //
+                          "10 align 2: a | to average 1#9 | from align 1#6 | displacement, "
+                          "counts index",                                                    //
+                          "11 align 2: b | to average 1#9 | from align 1#7 | displacement",  //
+                          "12 align 2: c | to average 1#9 | from align 1#8 | displacement",  //
+                          "--",                                                              //
+                          "13 average 2: | to average 1#9 | of align 2#10+ align 2#11+ "
+                          "align 2#12+",                                                       //
+                          "--",                                                                //
+                          "14 align 3: a | to average 2#13 | from align 2#10 | counts index",  //
+                          "15 align 3: b | to average 2#13 | from align 2#11",                 //
+                          "16 align 3: c | to average 2#13 | from align 2#12",                 //
+                          "--",                                                                //
+                          "17 compare: a x a | from align 3#14",                               //
+                          "18 compare: a x b | from align 3#14 align 3#15",                    //
+                          "19 compare: a x c | from align 3#14 align 3#16",                    //
+                          "20 compare: b x b | from align 3#15",                               //
+                          "21 compare: b x c | from align 3#15 align 3#16",                    //
+                          "22 compare: c x c | from align 3#16",                               //
+                          "23 variation: a | to average 2#13 | from align 3#14",               //
+                          "24 variation: b | to average 2#13 | from align 3#15",               //
+                          "25 variation: c | to average 2#13 | from align 3#16",               //
+                          "--",                                                                //
+                          "26 summarize: | to average 2#13 | of variation#23 variation#24 "
+                          "variation#25"));
+  EXPECT_EQ(job.NamesOf(plan->Outputs().tiles),
+            "compare#17 compare#18 compare#19 compare#20 compare#21 compare#22");
+  EXPECT_EQ(job.NamesOf(plan->Outputs().alignments), "align 3#14 align 3#15 align 3#16");
+  EXPECT_EQ(job.NameOf(plan->Outputs().summary), "summarize#26");
+  EXPECT_EQ(job.NameOf(plan->Outputs().mean_shape), "summarize#26+");
+}
+
+TEST(PlanToAverage, StartsFromIdentityWithoutAPose) {
+  FakeJob job(2);
+  const auto plan = job.Plan(SpecOf(Method::kAverage, PoseMode::kNone));
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",                                                //
+                          "1 ingest: b raw",                                                //
+                          "--",                                                             //
+                          "2 align 1: a | to a | displacement, counts index",               //
+                          "3 align 1: b | to a | displacement",                             //
+                          "--",                                                             //
+                          "4 average 1: | to a | of align 1#2+ align 1#3+",                 //
+                          "--",                                                             //
+                          "5 align 2: a | to average 1#4 | from align 1#2 | counts index",  //
+                          "6 align 2: b | to average 1#4 | from align 1#3",                 //
+                          "--",                                                             //
+                          "7 compare: a x a | from align 2#5",                              //
+                          "8 compare: a x b | from align 2#5 align 2#6",                    //
+                          "9 compare: b x b | from align 2#6",                              //
+                          "10 variation: a | to average 1#4 | from align 2#5",              //
+                          "11 variation: b | to average 1#4 | from align 2#6",              //
+                          "--",                                                             //
+                          "12 summarize: | to average 1#4 | of variation#10 variation#11"));
+}
+
+TEST(PlanToOne, IsThisForThreeMeshesAndTheSecondAsBase) {
+  FakeJob job(3);
+  JobSpec spec = SpecOf(Method::kOne);
+  spec.base = "b.ply";
+  const auto plan = job.Plan(spec);
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",                                 //
+                          "1 ingest: b raw",                                 //
+                          "2 ingest: c raw",                                 //
+                          "--",                                              //
+                          "3 pose: a | to b | counts index",                 //
+                          "4 pose: b | to b",                                //
+                          "5 pose: c | to b",                                //
+                          "--",                                              //
+                          "6 align: a | to b | from pose#3 | counts index",  //
+                          "7 align: b | to b | from pose#4",                 //
+                          "8 align: c | to b | from pose#5",                 //
+                          "--",                                              //
+                          "9 compare: a x a | from align#6",                 //
+                          "10 compare: a x b | from align#6 align#7",        //
+                          "11 compare: a x c | from align#6 align#8",        //
+                          "12 compare: b x b | from align#7",                //
+                          "13 compare: b x c | from align#7 align#8",        //
+                          "14 compare: c x c | from align#8",                //
+                          "15 variation: a | to b | from align#6",           //
+                          "16 variation: b | to b | from align#7",           //
+                          "17 variation: c | to b | from align#8",           //
+                          "--",                                              //
+                          "18 summarize: | to b | of variation#15 variation#16 variation#17 "
+                          "| moves reference"));
+  EXPECT_EQ(job.NamesOf(plan->Outputs().alignments), "align#6 align#7 align#8");
+}
+
+TEST(PlanToEach, IsThisForThreeMeshesAndTheSecondAsBase) {
+  FakeJob job(3);
+  JobSpec spec = SpecOf(Method::kEach);
+  spec.base = "b.ply";
+  const auto plan = job.Plan(spec);
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",                                                  //
+                          "1 ingest: b raw",                                                  //
+                          "2 ingest: c raw",                                                  //
+                          "--",                                                               //
+                          "3 pose: a | to b | counts index",                                  //
+                          "4 pose: b | to b",                                                 //
+                          "5 pose: c | to b",                                                 //
+                          "--",                                                               //
+                          "6 compare: a b c x a | from pose#3 pose#4 pose#5 | counts index",  //
+                          "7 compare: a b c x b | from pose#3 pose#4 pose#5 | counts index",  //
+                          "8 compare: a b c x c | from pose#3 pose#4 pose#5 | counts index",  //
+                          "--",                                                               //
+                          "9 variation: a | to b | from compare#7+",                          //
+                          "10 variation: b | to b | from compare#7+",                         //
+                          "11 variation: c | to b | from compare#7+",                         //
+                          "--",                                                               //
+                          "12 summarize: | to b | of variation#9 variation#10 variation#11 "
+                          "| moves reference"));
+  EXPECT_EQ(job.NamesOf(plan->Outputs().tiles), "compare#6 compare#7 compare#8");
+  EXPECT_EQ(job.NamesOf(plan->Outputs().alignments), "compare#7+");
+}
+
+TEST(PlanToEach, StartsFromIdentityWithoutAPose) {
+  FakeJob job(2);
+  const auto plan = job.Plan(SpecOf(Method::kEach, PoseMode::kNone));
+  EXPECT_THAT(job.RunAll(*plan), ElementsAre("0 ingest: a raw",                          //
+                                             "1 ingest: b raw",                          //
+                                             "--",                                       //
+                                             "2 compare: a b x a | counts index",        //
+                                             "3 compare: a b x b | counts index",        //
+                                             "--",                                       //
+                                             "4 variation: a | to a | from compare#2+",  //
+                                             "5 variation: b | to a | from compare#2+",  //
+                                             "--",                                       //
+                                             "6 summarize: | to a | of variation#4 "
+                                             "variation#5 | moves reference"));
+}
+
+TEST(PlanToNone, IsThisForThreeMeshes) {
+  FakeJob job(3);
+  const auto plan = job.Plan(SpecOf(Method::kNone));
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",         //
+                          "1 ingest: b raw",         //
+                          "2 ingest: c raw",         //
+                          "--",                      //
+                          "3 compare: a x a",        //
+                          "4 compare: a x b",        //
+                          "5 compare: a x c",        //
+                          "6 compare: b x b",        //
+                          "7 compare: b x c",        //
+                          "8 compare: c x c",        //
+                          "9 variation: a | to a",   //
+                          "10 variation: b | to a",  //
+                          "11 variation: c | to a",  //
+                          "--",                      //
+                          "12 summarize: | to a | of variation#9 variation#10 variation#11 "
+                          "| moves reference"));
+  EXPECT_THAT(plan->Outputs().alignments, IsEmpty());
+}
+
+struct Size {
+  Method method;
+  int meshes;
+  int64_t tasks;
+};
+class PlanSize : public ::testing::TestWithParam<Size> {};
+
+// ingest n, pose n, then: average with M rounds (M + 1) n + M, one n, each n; tiles n (n + 1) / 2
+// but for each; variation n; summarize 1.
+TEST_P(PlanSize, IsAsTheMethodSays) {
+  FakeJob job(GetParam().meshes);
+  const auto plan = job.Plan(SpecOf(GetParam().method, PoseMode::kPrincipalAxes, 3));
+  EXPECT_EQ(plan->CurrentProgress().tasks_total, GetParam().tasks) << "announced";
+  (void)job.RunAll(*plan);
+  EXPECT_EQ(plan->CurrentProgress().tasks_total, GetParam().tasks);
+  EXPECT_EQ(plan->CurrentProgress().tasks_done, GetParam().tasks);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table,
+                         PlanSize,
+                         ::testing::Values(Size{Method::kAverage, 3, 3 + 3 + 15 + 6 + 3 + 1},
+                                           Size{Method::kAverage, 4, 4 + 4 + 19 + 10 + 4 + 1},
+                                           Size{Method::kAverage, 5, 5 + 5 + 23 + 15 + 5 + 1},
+                                           Size{Method::kOne, 3, 3 + 3 + 3 + 6 + 3 + 1},
+                                           Size{Method::kOne, 4, 4 + 4 + 4 + 10 + 4 + 1},
+                                           Size{Method::kOne, 5, 5 + 5 + 5 + 15 + 5 + 1},
+                                           Size{Method::kEach, 3, 3 + 3 + 3 + 3 + 1},
+                                           Size{Method::kEach, 4, 4 + 4 + 4 + 4 + 1},
+                                           Size{Method::kEach, 5, 5 + 5 + 5 + 5 + 1},
+                                           Size{Method::kNone, 3, 3 + 6 + 3 + 1},
+                                           Size{Method::kNone, 4, 4 + 10 + 4 + 1},
+                                           Size{Method::kNone, 5, 5 + 15 + 5 + 1}));
+
+// ---- What tasks carry ----
+
+TEST(PlanTasks, CarryTheOptionsOfTheJob) {
+  FakeJob job(2);
+  JobSpec spec = SpecOf(Method::kAverage);
+  spec.base = "b.ply";
+  spec.position_bits = 21;
+  spec.icp.max_iterations = 33;
+  const auto plan = job.Plan(spec);
+  int aligned = 0;
+  int compared = 0;
+  while (!plan->Done()) {
+    for (const Task& task : plan->TakeReadyTasks()) {
+      EXPECT_GT(task.cost, 0) << task.stage;
+      if (task.kind == TaskKind::kIngest) {
+        EXPECT_EQ(task.position_bits, 21);
+      } else if (task.kind == TaskKind::kAlign) {
+        EXPECT_EQ(task.icp.max_iterations, 33);
+        ++aligned;
+      } else if (task.kind == TaskKind::kCompare) {
+        EXPECT_EQ(task.frame_center, (std::array<double, 3>{1, 2, 3})) << "centroid of b";
+        ++compared;
+      }
+      ASSERT_THAT(plan->TaskFinished(task.number, job.ResultOf(task)), IsOk());
+    }
+  }
+  EXPECT_EQ(aligned, 4);
+  EXPECT_EQ(compared, 3);
+}
+
+struct Batching {
+  int meshes;
+  size_t ingest_size;
+  size_t align_size;
+  size_t tile_size;
+};
+class PlanBatching : public ::testing::TestWithParam<Batching> {};
+
+TEST_P(PlanBatching, FollowsFromTheNumberOfMeshes) {
+  FakeJob job(GetParam().meshes);
+  const auto plan = job.Plan(SpecOf(Method::kOne, PoseMode::kNone));
+  std::map<std::string, size_t> largest;
+  std::map<std::string, std::set<int32_t>> seen;
+  while (!plan->Done()) {
+    for (const Task& task : plan->TakeReadyTasks()) {
+      largest[task.stage] = std::max(largest[task.stage], task.meshes.size());
+      for (const TaskMesh& mesh : task.meshes) {
+        seen[task.stage].insert(mesh.index);
+      }
+      ASSERT_THAT(plan->TaskFinished(task.number, job.ResultOf(task)), IsOk());
+    }
+  }
+  EXPECT_EQ(largest["ingest"], GetParam().ingest_size);
+  EXPECT_EQ(largest["align"], GetParam().align_size);
+  EXPECT_EQ(largest["variation"], GetParam().align_size);
+  EXPECT_EQ(largest["compare"], GetParam().tile_size);
+  const auto all = static_cast<size_t>(GetParam().meshes);
+  EXPECT_EQ(seen["ingest"].size(), all);
+  EXPECT_EQ(seen["align"].size(), all);
+  EXPECT_EQ(seen["variation"].size(), all);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table,
+                         PlanBatching,
+                         ::testing::Values(Batching{12, 1, 1, 1},
+                                           Batching{13, 1, 1, 2},
+                                           Batching{127, 1, 1, 11},
+                                           Batching{128, 2, 2, 11},
+                                           Batching{384, 6, 6, 32},
+                                           Batching{700, 8, 10, 32},
+                                           Batching{1100, 8, 16, 32}));
+
+class PlanTiles : public ::testing::TestWithParam<int> {};
+
+TEST_P(PlanTiles, MeasureEveryDirectedPairOnceAndKnowTheirAlignments) {
+  const int n = GetParam();
+  FakeJob job(n);
+  const auto plan = job.Plan(SpecOf(Method::kOne, PoseMode::kNone), job.AllIndices());
+  std::map<std::string, std::set<int32_t>> meshes_of_blob;
+  std::vector<int> times(static_cast<size_t>(n * n));
+  while (!plan->Done()) {
+    for (const Task& task : plan->TakeReadyTasks()) {
+      const TaskResult result = job.ResultOf(task);
+      if (task.kind == TaskKind::kAlign) {
+        for (const TaskMesh& mesh : task.meshes) {
+          meshes_of_blob[result.output.Hex()].insert(mesh.index);
+        }
+      } else if (task.kind == TaskKind::kCompare) {
+        std::set<int32_t> covered;
+        for (const Digest& blob : task.alignments) {
+          covered.merge(std::set<int32_t>(meshes_of_blob[blob.Hex()]));
+        }
+        const bool diagonal = task.meshes == task.targets;
+        for (const TaskMesh& a : task.meshes) {
+          ASSERT_TRUE(covered.contains(a.index));
+          for (const TaskMesh& b : task.targets) {
+            ASSERT_TRUE(covered.contains(b.index));
+            ++times[static_cast<size_t>(a.index * n + b.index)];
+            if (!diagonal) {
+              ++times[static_cast<size_t>(b.index * n + a.index)];
+            }
+          }
+        }
+      }
+      ASSERT_THAT(plan->TaskFinished(task.number, result), IsOk());
+    }
+  }
+  EXPECT_EQ(std::set<int>(times.begin(), times.end()), std::set<int>{1});
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, PlanTiles, ::testing::Values(2, 3, 13, 97, 400, 1000));
+
+// ---- Known meshes ----
+
+TEST(PlanWithKnownMeshes, SkipsTheirIngestButKeepsTheNumbers) {
+  FakeJob job(3);
+  const auto plan = job.Plan(SpecOf(Method::kNone), {0, 2});
+  EXPECT_EQ(plan->CurrentProgress().tasks_total, 1 + 6 + 3 + 1);
+  EXPECT_THAT(job.RunReady(*plan), ElementsAre("1 ingest: b raw"));
+  EXPECT_EQ(job.RunReady(*plan)[0], "3 compare: a x a");
+}
+
+TEST(PlanWithKnownMeshes, BeginsAfterIngestWhenAllAreKnown) {
+  FakeJob job(3);
+  const auto plan = job.Plan(SpecOf(Method::kOne), job.AllIndices());
+  EXPECT_EQ(plan->CurrentProgress().stage, "pose");
+  EXPECT_EQ(job.RunReady(*plan)[0], "3 pose: a | to a | counts index");
+}
+
+// ---- Bookkeeping ----
+
+TEST(JobPlan, HandsOutATaskOnce) {
+  FakeJob job(3);
+  const auto plan = job.Plan(SpecOf(Method::kNone));
+  EXPECT_EQ(plan->TakeReadyTasks().size(), 3u);
+  EXPECT_THAT(plan->TakeReadyTasks(), IsEmpty());
+}
+
+TEST(JobPlan, StartsTheNextStepOnlyWhenEveryTaskIsIn) {
+  FakeJob job(3);
+  const auto plan = job.Plan(SpecOf(Method::kAverage));
+  const std::vector<Task> tasks = plan->TakeReadyTasks();
+  for (const size_t place : {2, 0}) {
+    EXPECT_THAT(plan->TaskFinished(tasks[place].number, job.ResultOf(tasks[place])), IsOk());
+    EXPECT_THAT(plan->TakeReadyTasks(), IsEmpty());
+  }
+  EXPECT_THAT(plan->TaskFinished(1, job.ResultOf(tasks[1])), IsOk());
+  EXPECT_EQ(plan->TakeReadyTasks().size(), 3u);
+}
+
+TEST(JobPlan, CountsATaskOnceHoweverOftenItIsFinished) {
+  FakeJob job(2);
+  const auto plan = job.Plan(SpecOf(Method::kNone));
+  const std::vector<Task> tasks = plan->TakeReadyTasks();
+  const TaskResult result = job.ResultOf(tasks[0]);
+  EXPECT_THAT(plan->TaskFinished(0, result), IsOk());
+  EXPECT_THAT(plan->TaskFinished(0, result), IsOk());
+  EXPECT_EQ(plan->TotalCounters().pairs, 1);
+  EXPECT_EQ(plan->CurrentProgress().tasks_done, 1);
+  EXPECT_THAT(plan->TaskFinished(1, job.ResultOf(tasks[1])), IsOk());
+  EXPECT_THAT(plan->TaskFinished(0, result), IsOk()) << "its stage has ended";
+  EXPECT_EQ(plan->TotalCounters().pairs, 2);
+}
+
+TEST(JobPlan, ShowsTheStageOfTheEarliestUnfinishedTask) {
+  FakeJob job(2);
+  const auto plan = job.Plan(SpecOf(Method::kNone));
+  EXPECT_EQ(plan->CurrentProgress().stage, "ingest");
+  (void)job.RunReady(*plan);
+  const std::vector<Task> tasks = plan->TakeReadyTasks();
+  EXPECT_EQ(plan->CurrentProgress().stage, "compare");
+  for (const Task& task : tasks) {
+    if (task.kind == TaskKind::kCompare) {
+      ASSERT_THAT(plan->TaskFinished(task.number, job.ResultOf(task)), IsOk());
+    }
+  }
+  EXPECT_EQ(plan->CurrentProgress().stage, "variation");
+  (void)job.RunReady(*plan);
+  for (const Task& task : tasks) {
+    ASSERT_THAT(plan->TaskFinished(task.number, job.ResultOf(task)), IsOk());
+  }
+  (void)job.RunReady(*plan);
+  EXPECT_TRUE(plan->Done());
+  EXPECT_EQ(plan->CurrentProgress().stage, "");
+}
+
+class PlanOfMethod : public ::testing::TestWithParam<Method> {};
+
+TEST_P(PlanOfMethod, AnnouncesItsWorkFromTheBeginning) {
+  FakeJob job(30);
+  const auto plan = job.Plan(SpecOf(GetParam(), PoseMode::kPrincipalAxes, 3));
+  const Progress first = plan->CurrentProgress();
+  int64_t done = 0;
+  double cost_done = 0;
+  while (!plan->Done()) {
+    for (const Task& task : plan->TakeReadyTasks()) {
+      ASSERT_THAT(plan->TaskFinished(task.number, job.ResultOf(task)), IsOk());
+      const Progress now = plan->CurrentProgress();
+      EXPECT_EQ(now.tasks_total, first.tasks_total);
+      // Vertices are as the file sizes promise: 100 in 6000 bytes.
+      EXPECT_NEAR(now.cost_total, first.cost_total, 1e-9 * first.cost_total);
+      EXPECT_EQ(now.tasks_done, ++done);
+      EXPECT_GE(now.cost_done, cost_done * (1 - 1e-12));
+      EXPECT_LE(now.cost_done, now.cost_total);
+      cost_done = now.cost_done;
+    }
+  }
+  EXPECT_EQ(plan->CurrentProgress().cost_done, plan->CurrentProgress().cost_total);
+}
+
+TEST_P(PlanOfMethod, IsTheSameWhateverTheOrderOfResults) {
+  std::vector<std::string> expected;
+  for (uint64_t seed = 0; seed < 30; ++seed) {
+    FakeJob job(14);
+    job.RejectIn("ingest", 3);
+    job.RejectIn("pose", 5);
+    job.RejectIn("align 1", 7);
+    job.RejectIn("align 1", 8);
+    job.RejectIn("align", 9);
+    const auto plan = job.Plan(SpecOf(GetParam(), PoseMode::kPrincipalAxes, 2));
+    Random random(seed);
+    std::vector<std::string> lines;
+    while (!plan->Done()) {
+      std::vector<Task> tasks = plan->TakeReadyTasks();
+      ASSERT_FALSE(tasks.empty());
+      for (const Task& task : tasks) {
+        lines.push_back(job.Line(task));
+      }
+      for (size_t left = tasks.size(); seed > 0 && left > 1; --left) {
+        std::swap(tasks[left - 1],
+                  tasks[static_cast<size_t>(random.Below(static_cast<int64_t>(left)))]);
+      }
+      for (const Task& task : tasks) {
+        ASSERT_THAT(plan->TaskFinished(task.number, job.ResultOf(task)), IsOk());
+      }
+    }
+    lines.push_back(job.NamesOf(plan->Outputs().tiles));
+    lines.push_back(job.NamesOf(plan->Outputs().alignments));
+    lines.push_back(absl::StrCat("cost ", plan->CurrentProgress().cost_done));
+    if (seed == 0) {
+      expected = lines;
+    }
+    ASSERT_EQ(lines, expected) << "seed " << seed;
+  }
+}
+
+// A result as it reached the catalog.
+struct Arrival {
+  int64_t number;
+  TaskResult result;
+};
+
+// A server dies after any number of results; the next one makes the plan again from what the
+// catalog holds: those results, by number, and all meshes that were ingested meanwhile.
+TEST_P(PlanOfMethod, GoesOnAfterARestartWithTheSameNumbers) {
+  FakeJob job(9);
+  job.RejectIn("ingest", 3);
+  job.RejectIn("pose", 5);
+  job.RejectIn("align 1", 7);
+  const JobSpec spec = SpecOf(GetParam(), PoseMode::kPrincipalAxes, 2);
+  const auto whole = job.Plan(spec);
+  std::map<int64_t, std::string> expected;
+  std::vector<Arrival> arrivals;
+  while (!whole->Done()) {
+    std::vector<Task> tasks = whole->TakeReadyTasks();
+    std::reverse(tasks.begin(), tasks.end());
+    for (const Task& task : tasks) {
+      expected[task.number] = job.Line(task);
+      arrivals.push_back({task.number, job.ResultOf(task)});
+      ASSERT_THAT(whole->TaskFinished(task.number, arrivals.back().result), IsOk());
+    }
+  }
+  for (size_t kept = 0; kept <= arrivals.size(); ++kept) {
+    SCOPED_TRACE(absl::StrCat("after ", kept, " results"));
+    std::map<int64_t, TaskResult> catalog;
+    std::vector<int32_t> known;
+    for (size_t i = 0; i < kept; ++i) {
+      catalog[arrivals[i].number] = arrivals[i].result;
+      for (const IngestedMesh& mesh : arrivals[i].result.ingested) {
+        known.push_back(mesh.index);
+      }
+    }
+    const auto again = job.Plan(spec, known);
+    for (const auto& [number, result] : catalog) {
+      ASSERT_THAT(again->TaskFinished(number, result), IsOk());
+    }
+    std::set<int64_t> rest;
+    while (!again->Done()) {
+      const std::vector<Task> tasks = again->TakeReadyTasks();
+      ASSERT_FALSE(tasks.empty());
+      for (const Task& task : tasks) {
+        EXPECT_EQ(job.Line(task), expected[task.number]);
+        EXPECT_TRUE(rest.insert(task.number).second);
+        ASSERT_THAT(again->TaskFinished(task.number, job.ResultOf(task)), IsOk());
+      }
+    }
+    EXPECT_EQ(rest.size(), arrivals.size() - kept);
+    EXPECT_EQ(again->Outputs().tiles, whole->Outputs().tiles);
+    EXPECT_EQ(again->Outputs().alignments, whole->Outputs().alignments);
+    EXPECT_EQ(again->Outputs().mean_shape, whole->Outputs().mean_shape);
+    EXPECT_EQ(again->Outputs().summary, whole->Outputs().summary);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Methods,
+    PlanOfMethod,
+    ::testing::Values(Method::kAverage, Method::kOne, Method::kEach, Method::kNone),
+    [](const auto& method) { return std::string(MethodName(method.param)); });
+
+}  // namespace
+}  // namespace cohort

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "worker/task_context.h"
+
+namespace cohort {
+
+/// kPose: a coarse pose for each mesh. A mesh without extent is rejected.
+[[nodiscard]] absl::StatusOr<TaskResult> RunPoseTask(const Task& task, const TaskContext& context);
+
+/// kAlign: scaling ICP of each mesh to the reference, and the sum of the displacements of the
+/// reference's vertices to the aligned meshes. A mesh that cannot be aligned is rejected.
+[[nodiscard]] absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& context);
+
+/// kAverage: the next reference.
+[[nodiscard]] absl::StatusOr<TaskResult> RunAverageTask(const Task& task,
+                                                        const TaskContext& context);
+
+}  // namespace cohort

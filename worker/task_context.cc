@@ -1,0 +1,40 @@
+#include "worker/task_context.h"
+
+#include <string>
+
+#include "common/base/status_macros.h"
+#include "common/jobs/blobs.h"
+
+namespace cohort {
+
+absl::Status TaskContext::CheckStop() const {
+  return stop.stop_requested() ? absl::CancelledError("the worker was asked to stop")
+                               : absl::OkStatus();
+}
+
+absl::StatusOr<std::map<int32_t, Alignment>> LoadAlignments(BlobStore& store,
+                                                            const std::vector<Digest>& blobs) {
+  std::map<int32_t, Alignment> alignments;
+  for (const Digest& blob : blobs) {
+    COHORT_ASSIGN_OR_RETURN(const std::string bytes, store.Get(blob));
+    COHORT_ASSIGN_OR_RETURN(const std::vector<MeshAlignment> some, DecodeAlignmentBlob(bytes));
+    for (const MeshAlignment& one : some) {
+      alignments[one.mesh] = one.alignment;
+    }
+  }
+  return alignments;
+}
+
+absl::StatusOr<Similarity> SimilarityOf(const std::map<int32_t, Alignment>& alignments,
+                                        const TaskMesh& mesh) {
+  if (alignments.empty()) {
+    return Similarity{};
+  }
+  const auto found = alignments.find(mesh.index);
+  if (found == alignments.end()) {
+    return absl::DataLossError("mesh " + mesh.name + ": its alignment is not in the task's inputs");
+  }
+  return found->second.T_target_source;
+}
+
+}  // namespace cohort

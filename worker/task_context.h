@@ -1,0 +1,38 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include <absl/status/statusor.h>
+
+#include "common/geometry/registration/scaling_icp.h"
+#include "common/jobs/task.h"
+#include "common/store/blob_store.h"
+#include "worker/mesh_cache.h"
+
+namespace cohort {
+
+/// What a task may use besides its own fields.
+struct TaskContext {
+  BlobStore& store;
+  MeshCache& meshes;
+  std::stop_token stop;
+
+  /// @return kCancelled once the worker wants the task to end; asked between meshes and pairs.
+  [[nodiscard]] absl::Status CheckStop() const;
+};
+
+/// The alignments in `blobs` by mesh index.
+[[nodiscard]] absl::StatusOr<std::map<int32_t, Alignment>> LoadAlignments(
+    BlobStore& store,
+    const std::vector<Digest>& blobs);
+
+/// The alignment of `mesh`; the identity if `alignments` is empty.
+/// @return kDataLoss if it is missing.
+[[nodiscard]] absl::StatusOr<Similarity> SimilarityOf(
+    const std::map<int32_t, Alignment>& alignments,
+    const TaskMesh& mesh);
+
+}  // namespace cohort

@@ -1,0 +1,61 @@
+#include "worker/task_runner.h"
+
+#include <chrono>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "worker/align_task.h"
+#include "worker/compare_task.h"
+#include "worker/ingest_task.h"
+#include "worker/task_context.h"
+#include "worker/variation_task.h"
+
+namespace cohort {
+namespace {
+
+absl::StatusOr<TaskResult> Dispatch(const Task& task, const TaskContext& context) {
+  switch (task.kind) {
+    case TaskKind::kIngest:
+      return RunIngestTask(task, context);
+    case TaskKind::kPose:
+      return RunPoseTask(task, context);
+    case TaskKind::kAlign:
+      return RunAlignTask(task, context);
+    case TaskKind::kAverage:
+      return RunAverageTask(task, context);
+    case TaskKind::kCompare:
+      return RunCompareTask(task, context);
+    case TaskKind::kAlignAndCompare:
+      return RunAlignAndCompareTask(task, context);
+    case TaskKind::kVariation:
+      return RunVariationTask(task, context);
+    case TaskKind::kSummarize:
+      return RunSummarizeTask(task, context);
+  }
+  return absl::InvalidArgumentError("task kind " + std::to_string(static_cast<int>(task.kind)) +
+                                    " is not known");
+}
+
+}  // namespace
+
+absl::StatusOr<TaskResult> TaskRunner::Run(const Task& task, std::stop_token stop) {
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    absl::StatusOr<TaskResult> result =
+        Dispatch(task, {.store = store_, .meshes = meshes_, .stop = std::move(stop)});
+    if (result.ok()) {
+      result->seconds =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+    return result;
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError("out of memory in task " + std::to_string(task.number) +
+                                        " (" + task.stage + ")");
+  } catch (const std::exception& error) {
+    return absl::InternalError("task " + std::to_string(task.number) + " (" + task.stage +
+                               "): " + error.what());
+  }
+}
+
+}  // namespace cohort

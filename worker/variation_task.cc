@@ -1,0 +1,82 @@
+#include "worker/variation_task.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/status_macros.h"
+#include "common/geometry/comparison/metrics.h"
+#include "common/geometry/registration/mean_shape.h"
+#include "common/jobs/blobs.h"
+#include "common/store/mesh_blob.h"
+
+namespace cohort {
+
+absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext& context) {
+  COHORT_ASSIGN_OR_RETURN(const auto reference, context.meshes.Get(task.reference));
+  COHORT_ASSIGN_OR_RETURN(const auto alignments, LoadAlignments(context.store, task.alignments));
+  const int64_t n = reference->VertexCount();
+  TaskResult result;
+  VariationPart part;
+  part.distances.resize(n, static_cast<Eigen::Index>(task.meshes.size()));
+  part.displacement.sum = Eigen::Matrix3Xd::Zero(3, n);
+  for (size_t k = 0; k < task.meshes.size(); ++k) {
+    COHORT_RETURN_IF_ERROR(context.CheckStop());
+    const TaskMesh& input = task.meshes[k];
+    COHORT_ASSIGN_OR_RETURN(const auto mesh, context.meshes.Get(input.blob));
+    COHORT_ASSIGN_OR_RETURN(const Similarity T_reference_mesh, SimilarityOf(alignments, input));
+    const Eigen::Matrix3Xd displacement =
+        DisplacementToMesh(reference->vertices, mesh->vertices, T_reference_mesh);
+    part.distances.col(static_cast<Eigen::Index>(k)) =
+        displacement.colwise().norm().transpose().cast<float>();
+    part.displacement.sum += displacement;
+    ++part.displacement.mesh_count;
+    part.meshes.push_back(input.index);
+    result.counters.variation += {.index_builds = 1, .lookups = n};
+  }
+  COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeVariationBlob(part)));
+  return result;
+}
+
+absl::StatusOr<TaskResult> RunSummarizeTask(const Task& task, const TaskContext& context) {
+  COHORT_ASSIGN_OR_RETURN(const auto reference, context.meshes.Get(task.reference));
+  std::vector<Eigen::MatrixXf> distances;
+  std::vector<Eigen::Matrix3Xd> sums;
+  VariationSummary summary;
+  for (const Digest& blob : task.partials) {
+    COHORT_RETURN_IF_ERROR(context.CheckStop());
+    COHORT_ASSIGN_OR_RETURN(const std::string bytes, context.store.Get(blob));
+    COHORT_ASSIGN_OR_RETURN(VariationPart part, DecodeVariationBlob(bytes));
+    if (part.distances.rows() != reference->VertexCount()) {
+      return absl::DataLossError("variation blob " + blob.Hex() + " does not fit the reference");
+    }
+    summary.mesh_count += part.displacement.mesh_count;
+    distances.push_back(std::move(part.distances));
+    sums.push_back(std::move(part.displacement.sum));
+  }
+  std::vector<double> values;
+  for (Eigen::Index vertex = 0; vertex < reference->vertices.cols(); ++vertex) {
+    values.clear();
+    for (const Eigen::MatrixXf& part : distances) {
+      for (Eigen::Index k = 0; k < part.cols(); ++k) {
+        values.push_back(static_cast<double>(part(vertex, k)));
+      }
+    }
+    MetricValues metrics{};
+    for (const Metric metric : kAllMetrics) {
+      metrics[static_cast<size_t>(metric)] = ComputeMetric(metric, values);
+    }
+    summary.values.push_back(metrics);
+  }
+  TriangleMesh mean_shape = *reference;
+  if (task.moves_reference) {
+    mean_shape.vertices =
+        MoveByMeanDisplacement(reference->vertices, sums, summary.mesh_count);
+  }
+  TaskResult result;
+  COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeSummaryBlob(summary)));
+  COHORT_ASSIGN_OR_RETURN(result.second_output, context.store.Put(EncodeRawMeshBlob(mean_shape)));
+  return result;
+}
+
+}  // namespace cohort

@@ -1,0 +1,188 @@
+#include "worker/worker_loop.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "common/base/error_reason.h"
+#include "common/base/status_macros.h"
+
+namespace cohort {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr double kIdleWaitSeconds = 10;
+constexpr double kFirstRetrySeconds = 0.2;
+constexpr double kLastRetrySeconds = 10;
+
+steady_clock::time_point In(double seconds) {
+  return steady_clock::now() + std::chrono::milliseconds(static_cast<int64_t>(seconds * 1000));
+}
+
+/// The call may succeed later, as it is.
+bool IsTransient(const absl::Status& status) {
+  return status.code() == absl::StatusCode::kUnavailable ||
+         status.code() == absl::StatusCode::kDeadlineExceeded ||
+         status.code() == absl::StatusCode::kResourceExhausted;
+}
+
+}  // namespace
+
+WorkerLoop::WorkerLoop(const WorkerLoopOptions& options, CoordinatorLink& link, TaskRunner& runner)
+    : options_(options), link_(link), runner_(runner) {}
+
+WorkerLoop::~WorkerLoop() {
+  Drain();
+}
+
+absl::Status WorkerLoop::Run(std::stop_token stop) {
+  const std::stop_callback wake(stop, [this] {
+    link_.CancelSynchronize();
+    slot_freed_.NotifyAll();
+  });
+  double retry_seconds = kFirstRetrySeconds;
+  while (!stop.stop_requested()) {
+    const absl::Status status = SynchronizeOnce(stop);
+    double pause_seconds = next_sync_seconds_;
+    if (stop.stop_requested()) {
+      break;
+    }
+    if (status.ok()) {
+      retry_seconds = kFirstRetrySeconds;
+    } else if (status.code() == absl::StatusCode::kFailedPrecondition) {
+      return status;
+    } else {
+      spdlog::warn("event=sync_failed worker={} retry_seconds={} error=\"{}\"",
+                   options_.worker.value, retry_seconds, std::string(status.message()));
+      pause_seconds = retry_seconds;
+      retry_seconds = std::min(2 * retry_seconds, kLastRetrySeconds);
+    }
+    MutexLock lock(mutex_);
+    Reap();
+    const auto deadline = In(pause_seconds);
+    // With a free slot the server does the waiting, unless it cannot be reached.
+    while (!stop.stop_requested() && (!status.ok() || std::ssize(running_) >= options_.slots) &&
+           slot_freed_.WaitUntil(mutex_, deadline)) {
+      Reap();
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status WorkerLoop::SynchronizeOnce(std::stop_token stop) {
+  WorkerReport report;
+  report.worker = options_.worker;
+  report.build = options_.build;
+  {
+    MutexLock lock(mutex_);
+    Reap();
+    for (const auto& [lease, running] : running_) {
+      report.held.push_back(lease);
+    }
+  }
+  report.free_slots = options_.slots - static_cast<int>(report.held.size());
+  // Leases under way must be renewed in time, so the wait for more work is short then.
+  report.wait_seconds = report.held.empty() ? kIdleWaitSeconds : std::min(1.0, next_sync_seconds_);
+  COHORT_ASSIGN_OR_RETURN(const WorkerOrders orders, link_.Synchronize(report));
+  next_sync_seconds_ = std::max(0.1, orders.next_sync_seconds);
+  MutexLock lock(mutex_);
+  for (const Lease& lease : orders.lost) {
+    const auto found = running_.find(lease);
+    if (found != running_.end()) {
+      spdlog::info("event=lease_lost worker={} job={} task={}", options_.worker.value,
+                   lease.task.job.value, lease.task.number);
+      found->second.stop.request_stop();
+    }
+  }
+  if (!stop.stop_requested()) {
+    for (const GrantedTask& granted : orders.grants) {
+      Start(granted);
+    }
+  }
+  return absl::OkStatus();
+}
+
+void WorkerLoop::Start(const GrantedTask& granted) {
+  Running& running = running_[granted.lease];
+  if (running.thread.joinable()) {
+    return;  // The server repeats a grant whose answer was lost.
+  }
+  spdlog::debug("event=task_started worker={} job={} task={} stage=\"{}\" epoch={}",
+                options_.worker.value, granted.lease.task.job.value, granted.task.number,
+                granted.task.stage, granted.lease.epoch);
+  running.thread = std::thread(
+      [this, granted, stop = running.stop.get_token()] { RunSlot(granted, stop); });
+}
+
+void WorkerLoop::RunSlot(const GrantedTask& granted, std::stop_token stop) {
+  const absl::StatusOr<TaskResult> result = runner_.Run(granted.task, stop);
+  Report(granted.lease, result, stop);
+  MutexLock lock(mutex_);
+  running_.at(granted.lease).finished = true;
+  slot_freed_.NotifyAll();
+}
+
+void WorkerLoop::Report(const Lease& lease,
+                        const absl::StatusOr<TaskResult>& result,
+                        std::stop_token stop) {
+  double retry_seconds = kFirstRetrySeconds;
+  while (true) {
+    absl::Status said;
+    if (result.ok()) {
+      said = link_.CompleteTask(options_.worker, lease, *result);
+    } else if (result.status().code() == absl::StatusCode::kCancelled) {
+      said = link_.ReleaseTask(options_.worker, lease);
+    } else {
+      spdlog::warn("event=task_failed worker={} job={} task={} error=\"{}\"",
+                   options_.worker.value, lease.task.job.value, lease.task.number,
+                   std::string(result.status().message()));
+      said = link_.FailTask(options_.worker, lease, result.status());
+    }
+    if (said.ok()) {
+      return;
+    }
+    spdlog::warn("event=report_failed worker={} job={} task={} error=\"{}\"",
+                 options_.worker.value, lease.task.job.value, lease.task.number,
+                 std::string(said.message()));
+    if (!IsTransient(said) || stop.stop_requested()) {
+      return;  // The lease runs out and another worker does the task.
+    }
+    MutexLock lock(mutex_);
+    slot_freed_.WaitUntil(mutex_, In(retry_seconds));
+    retry_seconds = std::min(2 * retry_seconds, kLastRetrySeconds);
+  }
+}
+
+void WorkerLoop::Reap() {
+  for (auto it = running_.begin(); it != running_.end();) {
+    if (it->second.finished) {
+      it->second.thread.join();  // Only leaves its last lock; does not block.
+      it = running_.erase(it);
+    } else {
+      ++it;
+    }
+  }
+}
+
+void WorkerLoop::Drain() {
+  const auto deadline = In(options_.drain_seconds);
+  MutexLock lock(mutex_);
+  Reap();
+  while (!running_.empty() && slot_freed_.WaitUntil(mutex_, deadline)) {
+    Reap();
+  }
+  for (auto& [lease, running] : running_) {
+    running.stop.request_stop();
+  }
+  while (!running_.empty()) {
+    Reap();
+    if (!running_.empty()) {
+      slot_freed_.Wait(mutex_);
+    }
+  }
+}
+
+}  // namespace cohort

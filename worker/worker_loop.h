@@ -1,0 +1,63 @@
+#pragma once
+
+#include <map>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <absl/status/status.h>
+
+#include "common/base/mutex.h"
+#include "common/jobs/worker_protocol.h"
+#include "worker/coordinator_link.h"
+#include "worker/task_runner.h"
+
+namespace cohort {
+
+struct WorkerLoopOptions {
+  WorkerId worker;
+  std::string build;
+  int slots = 1;              ///< Tasks run at once.
+  double drain_seconds = 10;  ///< How long running tasks may go on after the stop.
+};
+
+/// Asks for tasks, runs each in a slot of its own, reports what came out. While tasks run it keeps
+/// calling the server, so that their leases live.
+class WorkerLoop {
+ public:
+  WorkerLoop(const WorkerLoopOptions& options, CoordinatorLink& link, TaskRunner& runner);
+  ~WorkerLoop();
+  WorkerLoop(const WorkerLoop&) = delete;
+  WorkerLoop& operator=(const WorkerLoop&) = delete;
+
+  /// Works until `stop`, then drains: no new tasks; those under way get drain_seconds, what is not
+  /// done by then is given back.
+  /// @return kFailedPrecondition if the server refuses this build.
+  [[nodiscard]] absl::Status Run(std::stop_token stop);
+
+ private:
+  struct Running {
+    std::stop_source stop;
+    std::thread thread;
+    bool finished = false;
+  };
+
+  absl::Status SynchronizeOnce(std::stop_token stop);
+  void Start(const GrantedTask& granted) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void RunSlot(const GrantedTask& granted, std::stop_token stop);
+  void Report(const Lease& lease, const absl::StatusOr<TaskResult>& result, std::stop_token stop);
+  /// Joins threads whose task is over.
+  void Reap() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Drain();
+
+  const WorkerLoopOptions options_;
+  CoordinatorLink& link_;
+  TaskRunner& runner_;
+  Mutex mutex_;
+  CondVar slot_freed_;
+  std::map<Lease, Running> running_ ABSL_GUARDED_BY(mutex_);
+  double next_sync_seconds_ = 1;  ///< Used by Run only.
+};
+
+}  // namespace cohort

@@ -1,0 +1,152 @@
+#include "worker/worker_main.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <exception>
+#include <iostream>
+#include <memory>
+#include <random>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "common/base/process.h"
+#include "common/base/status_macros.h"
+#include "common/base/version.h"
+#include "common/rpc/channel.h"
+#include "common/rpc/rpc_blob_store.h"
+#include "common/store/directory_blob_store.h"
+#include "worker/grpc_coordinator_link.h"
+#include "worker/worker_loop.h"
+
+namespace cohort {
+namespace {
+
+/// Unique in practice: host, process, and a random part for reused process numbers.
+std::string MakeWorkerName() {
+  std::array<char, 256> host{};
+  gethostname(host.data(), host.size() - 1);
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::random_device random;
+  std::string suffix;
+  for (int i = 0; i < 6; ++i) {
+    suffix.push_back(kDigits[random() % kDigits.size()]);
+  }
+  return std::string(host.data()) + "-" + std::to_string(getpid()) + "-" + suffix;
+}
+
+absl::StatusOr<std::unique_ptr<BlobStore>> OpenStore(const WorkerOptions& options,
+                                                     const std::shared_ptr<grpc::Channel>& channel,
+                                                     const std::string& address) {
+  if (options.store.empty()) {
+    return std::make_unique<RpcBlobStore>(channel, address);
+  }
+  COHORT_ASSIGN_OR_RETURN(std::unique_ptr<DirectoryBlobStore> store,
+                          DirectoryBlobStore::Create(options.store));
+  return store;
+}
+
+CLI::App* AddOptions(CLI::App& app, WorkerOptions& options) {
+  app.set_version_flag("--version", std::string(BuildVersion()));
+  app.add_option("--server", options.server, "address of cohort-server: HOST:PORT or unix:PATH")
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "tasks run at once; 0: one per processor")
+      ->capture_default_str();
+  app.add_option("--store", options.store,
+                 "the server's blob folder (DATA/blobs), if this machine sees it; saves the way "
+                 "over the network");
+  app.add_option("--cache-mb", options.cache_mb, "decoded meshes kept in memory")
+      ->capture_default_str();
+  app.add_option("--name", options.name, "name in logs; must be unique");
+  app.add_option("--drain-seconds", options.drain_seconds,
+                 "how long running tasks may go on after SIGTERM")
+      ->capture_default_str();
+  app.add_option("--log-level", options.log_level, "debug, info, warn, error or off")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
+  app.add_option("--exit-with-parent", options.exit_with_parent,
+                 "end when this process (the parent) ends")
+      ->group("");
+  return &app;
+}
+
+}  // namespace
+
+absl::Status WorkerOptions::Validate() const {
+  if (threads < 0 || threads > 1024) {
+    return absl::InvalidArgumentError("--threads " + std::to_string(threads) +
+                                      ": expected 0 to 1024");
+  }
+  if (cache_mb < 0) {
+    return absl::InvalidArgumentError("--cache-mb must not be negative");
+  }
+  if (!(drain_seconds >= 0 && drain_seconds <= 86400)) {
+    return absl::InvalidArgumentError("--drain-seconds: expected 0 to 86400");
+  }
+  return NormalizeAddress(server).status();
+}
+
+absl::Status RunWorker(const WorkerOptions& options) {
+  COHORT_RETURN_IF_ERROR(options.Validate());
+  COHORT_ASSIGN_OR_RETURN(const std::string address, NormalizeAddress(options.server));
+  const std::shared_ptr<grpc::Channel> channel = OpenChannel(address);
+  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<BlobStore> store,
+                          OpenStore(options, channel, address));
+  MeshCache meshes(*store, options.cache_mb << 20);
+  TaskRunner runner(*store, meshes);
+  GrpcCoordinatorLink link(channel, address);
+  WorkerLoopOptions loop_options;
+  loop_options.worker = WorkerId{options.name.empty() ? MakeWorkerName() : options.name};
+  loop_options.build = std::string(BuildVersion());
+  const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  loop_options.slots = options.threads > 0 ? options.threads : processors;
+  loop_options.drain_seconds = options.drain_seconds;
+  spdlog::info("event=worker_started worker={} server={} slots={} store={}",
+               loop_options.worker.value, address, loop_options.slots,
+               options.store.empty() ? "rpc" : options.store);
+  WorkerLoop loop(loop_options, link, runner);
+  std::stop_source stop;
+  std::atomic<bool> ended = false;
+  absl::Status status;
+  std::thread working([&] {
+    status = loop.Run(stop.get_token());
+    ended = true;
+  });
+  const int signal = WaitForStopSignal(&ended, options.exit_with_parent);
+  spdlog::info("event=worker_stopping worker={} signal={}", loop_options.worker.value, signal);
+  stop.request_stop();
+  working.join();
+  return status;
+}
+
+int WorkerMain(int argc, char** argv) {
+  try {
+    CLI::App app("cohort-worker: does the tasks of a cohort-server.\n\n"
+                 "Example: cohort-worker --server coordinator:7450 --threads 16");
+    WorkerOptions options;
+    AddOptions(app, options);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      return app.exit(error) == 0 ? 0 : 2;
+    }
+    spdlog::set_default_logger(spdlog::stderr_color_mt("cohort-worker"));
+    spdlog::set_level(spdlog::level::from_str(options.log_level));
+    BlockStopSignals();
+    const absl::Status status = RunWorker(options);
+    if (!status.ok()) {
+      std::cerr << "cohort-worker: " << status.message() << "\n";
+      return status.code() == absl::StatusCode::kInvalidArgument ? 2 : 1;
+    }
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "cohort-worker: " << error.what() << "\n";
+    return 1;
+  }
+}
+
+}  // namespace cohort
