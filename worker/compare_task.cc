@@ -115,8 +115,11 @@ absl::StatusOr<TaskResult> RunAlignAndCompareTask(const Task& task, const TaskCo
     }
     result.counters.align.lookups += aligned->lookups;
     alignments.push_back({.mesh = input.index, .alignment = *aligned});
+    // A mesh lies on itself exactly; its fitted pose differs from the identity by rounding.
+    const bool is_target = input.index == target_input.index;
+    const Similarity T_target_source = is_target ? Similarity{} : aligned->T_target_source;
     const Eigen::Matrix3Xf points =
-        (aligned->T_target_source.Apply(mesh->vertices).colwise() - target.Center()).cast<float>();
+        (T_target_source.Apply(mesh->vertices).colwise() - target.Center()).cast<float>();
     block.values.push_back(Measure(points, target.Index()));
     result.counters.compare.lookups += points.cols();
   }

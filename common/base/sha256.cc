@@ -48,7 +48,7 @@ Digest Sha256::Finish() {
   assert(finished == 1 && size == 32);
   constexpr std::string_view kHexDigits = "0123456789abcdef";
   std::string hex;
-  hex.reserve(2 * size);
+  hex.reserve(2 * static_cast<size_t>(size));
   for (unsigned int i = 0; i < size; ++i) {
     hex.push_back(kHexDigits[raw[i] >> 4]);
     hex.push_back(kHexDigits[raw[i] & 15]);

@@ -29,8 +29,9 @@ constexpr Names<PoseMode, 2> kPoseModes = {
 constexpr Names<Symmetrization, 3> kSymmetrizations = {{{Symmetrization::kMean, "mean"},
                                                         {Symmetrization::kMax, "max"},
                                                         {Symmetrization::kDirected, "directed"}}};
-constexpr Names<ScaleMode, 2> kScaleModes = {
-    {{ScaleMode::kOff, "off"}, {ScaleMode::kFree, "free"}}};
+constexpr Names<ScaleMode, 3> kScaleModes = {{{ScaleMode::kOff, "off"},
+                                              {ScaleMode::kFree, "least-squares"},
+                                              {ScaleMode::kSymmetric, "symmetric"}}};
 
 template <typename T, size_t kSize>
 std::string_view NameOf(const Names<T, kSize>& names, T value) {

@@ -37,7 +37,8 @@ AxisTicks NiceTicks(double low, double high, int max_count) {
   ticks.step = NiceStep((high - low) / (max_count - 1));
   const double first = std::ceil(low / ticks.step - kSlack);
   const double last = std::floor(high / ticks.step + kSlack);
-  for (double k = first; k <= last; ++k) ticks.values.push_back(k * ticks.step);
+  const int count = static_cast<int>(last - first) + 1;
+  for (int i = 0; i < count; ++i) ticks.values.push_back((first + i) * ticks.step);
   return ticks;
 }
 

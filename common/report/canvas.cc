@@ -160,7 +160,9 @@ void Canvas::Cells(const Box& box, int columns, std::span<const Rgb> colors) {
   const int stride = cairo_image_surface_get_stride(image.get());
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      const uint32_t packed = PackedRgb24(colors[static_cast<size_t>(row * columns + column)]);
+      const uint32_t packed =
+          PackedRgb24(colors[static_cast<size_t>(row) * static_cast<size_t>(columns) +
+                             static_cast<size_t>(column)]);
       std::memcpy(pixels + static_cast<ptrdiff_t>(row) * stride + ptrdiff_t{column} * 4, &packed,
                   sizeof packed);
     }

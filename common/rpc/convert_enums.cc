@@ -24,7 +24,7 @@ absl::StatusOr<Ours> Unshift(Wire wire, Ours last, const char* name) {
 // The shift holds as long as first and last agree and nothing is inserted in between.
 static_assert(static_cast<int>(Method::kNone) + 1 == v1::METHOD_NONE);
 static_assert(static_cast<int>(PoseMode::kNone) + 1 == v1::POSE_MODE_NONE);
-static_assert(static_cast<int>(ScaleMode::kFree) + 1 == v1::SCALE_MODE_FREE);
+static_assert(static_cast<int>(ScaleMode::kSymmetric) + 1 == v1::SCALE_MODE_SYMMETRIC);
 static_assert(static_cast<int>(Metric::kPercentile75) + 1 == v1::METRIC_PERCENTILE_75);
 static_assert(static_cast<int>(Symmetrization::kDirected) + 1 == v1::SYMMETRIZATION_DIRECTED);
 static_assert(static_cast<int>(JobState::kCancelled) + 1 == v1::JOB_STATE_CANCELLED);
@@ -61,7 +61,7 @@ absl::StatusOr<PoseMode> FromProto(v1::PoseMode wire) {
   return Unshift(wire, PoseMode::kNone, "pose");
 }
 absl::StatusOr<ScaleMode> FromProto(v1::ScaleMode wire) {
-  return Unshift(wire, ScaleMode::kFree, "scale");
+  return Unshift(wire, ScaleMode::kSymmetric, "scale");
 }
 absl::StatusOr<Metric> FromProto(v1::Metric wire) {
   return Unshift(wire, Metric::kPercentile75, "metric");

@@ -23,19 +23,17 @@ int64_t NextJobNumber(soci::session& sql) {
 
 void InsertJobMeshes(soci::session& sql, int64_t job, const std::vector<SetMesh>& meshes) {
   int64_t index = 0;
-  std::string name;
+  SetMesh mesh;
   std::string raw;
-  int64_t size_bytes = 0;
   std::string labels;
   soci::statement insert =
       (sql.prepare << "INSERT INTO job_mesh (job, idx, name, raw, size_bytes, labels, ingested, "
                       "rejection) VALUES (:job, :idx, :name, :raw, :size_bytes, :labels, '', '')",
-       soci::use(job), soci::use(index), soci::use(name), soci::use(raw), soci::use(size_bytes),
-       soci::use(labels));
-  for (const SetMesh& mesh : meshes) {
-    name = mesh.name;
+       soci::use(job), soci::use(index), soci::use(mesh.name), soci::use(raw),
+       soci::use(mesh.size_bytes), soci::use(labels));
+  for (const SetMesh& next : meshes) {
+    mesh = next;
     raw = mesh.raw.Hex();
-    size_bytes = mesh.size_bytes;
     labels = LabelsToText(mesh.labels);
     insert.execute(true);
     ++index;

@@ -65,7 +65,7 @@ class TextSource : public PlySource {
 
   int64_t MostRows(const PlyElement& element) const override {
     const auto shortest_row = static_cast<int64_t>(2 * element.properties.size());
-    return static_cast<int64_t>(lines_.Remaining() + 1) / shortest_row;
+    return static_cast<int64_t>(lines_.Remaining() + 1) / std::max<int64_t>(shortest_row, 1);
   }
 
   absl::Status CheckEnd() override {
@@ -153,7 +153,7 @@ class BinarySource : public PlySource {
     for (const PlyProperty& property : element.properties) {
       shortest_row += SizeOf(property.length_type.value_or(property.type));
     }
-    return static_cast<int64_t>((bytes_.size() - offset_) / shortest_row);
+    return static_cast<int64_t>((bytes_.size() - offset_) / std::max<size_t>(shortest_row, 1));
   }
 
   absl::Status CheckEnd() override {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <tuple>
 
@@ -12,6 +11,7 @@
 
 #include "common/base/status_macros.h"
 #include "common/geometry/mesh/bounds.h"
+#include "common/geometry/mesh/mesh_warnings.h"
 
 namespace cohort {
 namespace {
@@ -20,11 +20,6 @@ constexpr double kLargestCoordinate = 1e6;
 // A face is flat when its height is below this share of its longest side: far under what float32
 // files can express, far above the rounding of the cross product.
 constexpr double kFlatShare = 1e-12;
-constexpr double kManyBoundaryEdges = 0.1;
-constexpr double kSmallestPlausibleDiagonal = 20;
-constexpr double kLargestPlausibleDiagonal = 1000;
-// Positions are kept as float32: half a step of them, as a share of the diagonal, that matters.
-constexpr double kCoarsePositions = 1e-5;
 
 absl::Status CheckVertices(const TriangleMesh& mesh) {
   for (Eigen::Index v = 0; v < mesh.VertexCount(); ++v) {
@@ -231,56 +226,6 @@ void MeasureComponents(const TriangleMesh& mesh, MeshHealth& health) {
       static_cast<double>(mesh.FaceCount());
 }
 
-/// A share for people; rounded down, so that 100 % always means all.
-std::string Percent(double share) {
-  return absl::StrCat(std::floor(1000 * share) / 10, " %");
-}
-
-void WarnOfUnit(const TriangleMesh& mesh, MeshHealth& health) {
-  const Bounds bounds = BoundsOf(mesh.vertices);
-  const double half_step = 0x1p-25 * mesh.vertices.cwiseAbs().maxCoeff();
-  if (half_step > kCoarsePositions * health.diagonal) {
-    health.warnings.push_back(absl::StrCat("lies far from the origin for its size; positions are ",
-                                           "kept as 32-bit floats, to about ", half_step));
-  }
-  if (health.diagonal >= kSmallestPlausibleDiagonal &&
-      health.diagonal <= kLargestPlausibleDiagonal) {
-    return;
-  }
-  std::string guess = "another unit?";
-  if (health.diagonal >= 0.02 && health.diagonal <= 1) {
-    guess = "metres?";
-  } else if (health.diagonal > 1 && health.diagonal < kSmallestPlausibleDiagonal) {
-    guess = "centimetres or inches?";
-  } else if (health.diagonal >= 2e4) {
-    guess = "micrometres?";
-  }
-  health.warnings.push_back(absl::StrCat("largest extent is ",
-                                         (bounds.high - bounds.low).maxCoeff(), ": ", guess,
-                                         " Cohort assumes millimetres"));
-}
-
-void WarnOfSurface(MeshHealth& health) {
-  const auto warn_if = [&health](int64_t count, const char* what) {
-    if (count > 0) {
-      health.warnings.push_back(absl::StrCat(count, what));
-    }
-  };
-  if (health.components > 1) {
-    health.warnings.push_back(absl::StrCat(health.components, " components; the largest has ",
-                                           Percent(health.largest_component_share),
-                                           " of the faces"));
-  }
-  if (health.boundary_share > kManyBoundaryEdges) {
-    health.warnings.push_back(absl::StrCat(
-        Percent(health.boundary_share), " of the edges are boundary: many holes or loose pieces"));
-  }
-  warn_if(health.unreferenced_vertices, " vertices in no face removed");
-  warn_if(health.degenerate_faces, " degenerate faces (a vertex twice: removed; no area: kept)");
-  warn_if(health.duplicate_faces, " duplicate faces removed");
-  warn_if(health.non_manifold_edges, " edges are not manifold");
-}
-
 }  // namespace
 
 absl::Status CheckAndClean(TriangleMesh& mesh, MeshHealth& health) {
@@ -303,18 +248,12 @@ absl::Status CheckAndClean(TriangleMesh& mesh, MeshHealth& health) {
   if (health.point_cloud) {
     health.components = 1;
     health.largest_component_share = 1;
-    health.warnings.emplace_back("a point cloud: no faces, so nothing that needs a surface works");
   } else {
     MeasureAreas(mesh, health);
     MeasureEdges(mesh, health);
     MeasureComponents(mesh, health);
-    WarnOfSurface(health);
   }
-  if (health.duplicate_vertices > 0) {
-    health.warnings.push_back(
-        absl::StrCat(health.duplicate_vertices, " vertices lie exactly on earlier ones"));
-  }
-  WarnOfUnit(mesh, health);
+  health.warnings = MeshWarnings(mesh, health);
   return absl::OkStatus();
 }
 

@@ -1,5 +1,8 @@
 #include "common/geometry/registration/paired_sums.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
@@ -25,6 +28,7 @@ void PairedSums::Add(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   sum_b_ += b;
   sum_ab_ += a * b.transpose();
   sum_aa_ += a.squaredNorm();
+  sum_bb_ += b.squaredNorm();
 }
 
 absl::StatusOr<Similarity> PairedSums::Fit(ScaleMode scale_mode) const {
@@ -47,8 +51,12 @@ absl::StatusOr<Similarity> PairedSums::Fit(ScaleMode scale_mode) const {
 
   Similarity T;
   T.rotation = R;
-  // sum b'.(R a') = trace(R S): Horn 1987, section 2.E, asymmetric form.
-  T.scale = scale_mode == ScaleMode::kFree ? (R * S).trace() / spread : 1.0;
+  if (scale_mode == ScaleMode::kFree) {
+    T.scale = (R * S).trace() / spread;  // sum b'.(R a') = trace(R S): Horn 1987, section 2.D.
+  } else if (scale_mode == ScaleMode::kSymmetric) {
+    const double target_spread = sum_bb_ - sum_b_.dot(mean_b);
+    T.scale = std::sqrt(std::max(0.0, target_spread) / spread);  // Horn 1987, section 2.E.
+  }
   if (!(T.scale > 0)) {
     return absl::FailedPreconditionError("similarity fit: the scale is not positive");
   }

@@ -27,6 +27,7 @@ class PairedSums {
   Eigen::Vector3d sum_b_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d sum_ab_ = Eigen::Matrix3d::Zero();  ///< a b^T
   double sum_aa_ = 0;                                 ///< a . a
+  double sum_bb_ = 0;                                 ///< b . b
 };
 
 }  // namespace cohort

@@ -129,7 +129,7 @@ absl::StatusOr<Alignment> AlignByIcp(const Eigen::Ref<const Eigen::Matrix3Xd>& s
   }
   IcpRun run(source, target, T_target_source);
   // A rigid run has scale 1 from its first fit on, whatever the start.
-  const double start_scale = options.scale_mode == ScaleMode::kFree ? T_target_source.scale : 1.0;
+  const double start_scale = options.scale_mode == ScaleMode::kOff ? 1.0 : T_target_source.scale;
   Alignment alignment;
   double previous_mean = 0;
   while (alignment.iterations < options.max_iterations && !alignment.converged) {

@@ -12,7 +12,7 @@
 namespace cohort {
 
 struct IcpOptions {
-  ScaleMode scale_mode = ScaleMode::kFree;
+  ScaleMode scale_mode = ScaleMode::kSymmetric;
   int max_iterations = 200;  ///< >= 1.
   /// Stop when the mean nearest-neighbour distance changed by no more than this between two
   /// successive passes (mesh units). 0: never, all iterations run.
@@ -52,7 +52,8 @@ struct Alignment {
 /// Scaling ICP: repeat { nearest vertex of each source vertex, closed-form similarity }.
 ///
 /// Each pass fits the absolute similarity from the untransformed source, so that no drift builds
-/// up; the squared error never rises (Besl, McKay 1992).
+/// up; the squared error never rises (Besl, McKay 1992) with scale off or least-squares; the symmetric
+/// scale gives up that guarantee for not shrinking.
 /// @param source  3 x n, n >= 3, source units.
 /// @param T_target_source  the start.
 /// @return kInvalidArgument for bad options or n < 3; kFailedPrecondition if the fit is impossible

@@ -24,7 +24,11 @@ struct Similarity {
 
 enum class ScaleMode {
   kOff,   ///< Rigid: scale stays 1.
-  kFree,  ///< Uniform scale, closed form.
+  kFree,  ///< Uniform scale that minimises the squared error: sum b'.(R a') / sum |a'|^2.
+  /// Uniform scale sqrt(sum |b'|^2 / sum |a'|^2): the same whichever mesh moves. With nearest-vertex
+  /// pairs, which err on both sides, the least-squares scale shrinks the source from pass to pass
+  /// (regression dilution); this one does not favour either mesh.
+  kSymmetric,
 };
 
 /// Least-squares similarity between paired points: minimises sum_i |s R a_i + t - b_i|^2.

@@ -6,11 +6,11 @@ namespace cohort {
 namespace {
 
 int Next(int k) {
-  return k == 2 ? 0 : k + 1;
+  return (k + 1) % 3;
 }
 
 int Previous(int k) {
-  return k == 0 ? 2 : k - 1;
+  return (k + 2) % 3;
 }
 
 size_t Index(int k) {

@@ -1,12 +1,17 @@
 #include "common/geometry/mesh/mesh_health.h"
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/base/random.h"
 #include "tests/common/geometry/mesh/shapes.h"
 #include "tests/testing/status_matchers.h"
 
@@ -257,6 +262,105 @@ TEST(CheckAndClean, FindsNothingNewTheSecondTime) {
   ASSERT_THAT(CheckAndClean(mesh, health), IsOk());
   ASSERT_THAT(CheckAndClean(mesh, health), IsOk());
   EXPECT_EQ(health.degenerate_faces + health.duplicate_faces + health.unreferenced_vertices, 0);
+}
+
+/// Few vertices on few whole numbers: every kind of trouble is common.
+TriangleMesh RandomTrouble(Random& random) {
+  TriangleMesh mesh;
+  const int64_t vertices = 4 + random.Below(12);
+  mesh.vertices.resize(3, vertices);
+  for (double& coordinate : mesh.vertices.reshaped()) {
+    coordinate = 50.0 * static_cast<double>(random.Below(3));
+  }
+  mesh.faces.resize(3, 1 + random.Below(14));
+  for (int32_t& vertex : mesh.faces.reshaped()) {
+    vertex = static_cast<int32_t>(random.Below(vertices));
+  }
+  return mesh;
+}
+
+/// The same numbers by comparing everything with everything.
+struct BruteForce {
+  explicit BruteForce(const TriangleMesh& mesh) {
+    std::set<std::set<int32_t>> seen;
+    std::map<std::pair<int32_t, int32_t>, int> uses;
+    for (Eigen::Index f = 0; f < mesh.FaceCount(); ++f) {
+      const Eigen::Vector3i face = mesh.faces.col(f);
+      const std::set<int32_t> corners(face.begin(), face.end());
+      if (corners.size() == 3 && seen.insert(corners).second) {
+        for (int corner = 0; corner < 3; ++corner) {
+          ++uses[{face[corner], face[(corner + 1) % 3]}];
+        }
+      }
+      duplicate_faces += corners.size() == 3 ? 1 : 0;
+    }
+    duplicate_faces -= static_cast<int64_t>(seen.size());
+    for (const auto& [edge, forward] : uses) {
+      const auto opposite = uses.find({edge.second, edge.first});
+      const int backward = opposite == uses.end() ? 0 : opposite->second;
+      const bool counted_from_the_other_side = backward > 0 && edge.first > edge.second;
+      edges += counted_from_the_other_side ? 0 : 1;
+      boundary += forward + backward == 1 ? 1 : 0;
+      non_manifold += !counted_from_the_other_side && (forward > 1 || backward > 1) ? 1 : 0;
+    }
+    components = CountComponents(seen);
+    for (int64_t v = 0; v < mesh.VertexCount(); ++v) {
+      bool duplicate = false;
+      for (int64_t w = 0; w < v; ++w) {
+        duplicate = duplicate || mesh.vertices.col(v) == mesh.vertices.col(w);
+      }
+      duplicate_vertices += duplicate ? 1 : 0;
+    }
+  }
+
+  static int64_t CountComponents(const std::set<std::set<int32_t>>& faces) {
+    std::vector<std::set<int32_t>> pieces;
+    for (const std::set<int32_t>& face : faces) {
+      std::set<int32_t> merged = face;
+      for (auto piece = pieces.begin(); piece != pieces.end();) {
+        const bool touches =
+            std::any_of(face.begin(), face.end(), [&](int32_t v) { return piece->count(v) > 0; });
+        if (touches) {
+          merged.insert(piece->begin(), piece->end());
+          piece = pieces.erase(piece);
+        } else {
+          ++piece;
+        }
+      }
+      pieces.push_back(merged);
+    }
+    return static_cast<int64_t>(pieces.size());
+  }
+
+  int64_t duplicate_vertices = 0;
+  int64_t duplicate_faces = 0;
+  int64_t edges = 0;
+  int64_t boundary = 0;
+  int64_t non_manifold = 0;
+  int64_t components = 0;
+};
+
+TEST(CheckAndClean, AgreesWithBruteForce) {
+  Random random(11);
+  int accepted = 0;
+  for (int round = 0; round < 2000; ++round) {
+    TriangleMesh mesh = RandomTrouble(random);
+    const BruteForce expected(mesh);
+    MeshHealth health;
+    if (!CheckAndClean(mesh, health).ok()) {
+      continue;
+    }
+    ++accepted;
+    ASSERT_EQ(health.duplicate_vertices, expected.duplicate_vertices) << round;
+    ASSERT_EQ(health.duplicate_faces, expected.duplicate_faces) << round;
+    ASSERT_EQ(health.non_manifold_edges, expected.non_manifold) << round;
+    ASSERT_EQ(health.components, expected.components) << round;
+    ASSERT_NEAR(health.boundary_share,
+                static_cast<double>(expected.boundary) / static_cast<double>(expected.edges),
+                kRounding)
+        << round;
+  }
+  EXPECT_GT(accepted, 1500);
 }
 
 }  // namespace

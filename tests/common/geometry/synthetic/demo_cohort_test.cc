@@ -99,7 +99,8 @@ TEST(MakeDemoCohort, HasTheBytesItAlwaysHad) {
   SerialExecutor serial;
   const auto scans = MakeDemoCohort(Small(), serial);
   ASSERT_THAT(scans, IsOk());
-  EXPECT_EQ(Sha256::Of(Bytes(*scans)).Hex(), "0");
+  EXPECT_EQ(Sha256::Of(Bytes(*scans)).Hex(),
+            "6c3ac885b1155a87abd8f991c71c2f4fdef728a92bf428f0aa6308ecbc0b512b");
 }
 
 TEST(MakeDemoCohort, AnotherSeedGivesOtherPeople) {

@@ -1,0 +1,225 @@
+// The plans of the four methods, task by task.
+
+#include "server/planning/plan_steps.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/server/planning/fake_job.h"
+
+namespace cohort {
+namespace {
+
+using ::cohort::testing::FakeJob;
+using ::cohort::testing::SpecOf;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(PlanToAverage, IsThisForThreeMeshesAndTwoRounds) {
+  FakeJob job(3);
+  const auto plan = job.Plan(SpecOf(Method::kAverage, PoseMode::kPrincipalAxes, 2));
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",                                                 //
+                          "1 ingest: b raw",                                                 //
+                          "2 ingest: c raw",                                                 //
+                          "--",                                                              //
+                          "3 pose: a | to a | counts index",                                 //
+                          "4 pose: b | to a",                                                //
+                          "5 pose: c | to a",                                                //
+                          "--",                                                              //
+                          "6 align 1: a | to a | from pose#3 | displacement, counts index",  //
+                          "7 align 1: b | to a | from pose#4 | displacement",                //
+                          "8 align 1: c | to a | from pose#5 | displacement",                //
+                          "--",                                                              //
+                          "9 average 1: | to a | of align 1#6+ align 1#7+ align 1#8+",       //
+                          "--",                                                              //
+                          "10 align 2: a | to average 1#9 | from align 1#6 | displacement, "
+                          "counts index",                                                    //
+                          "11 align 2: b | to average 1#9 | from align 1#7 | displacement",  //
+                          "12 align 2: c | to average 1#9 | from align 1#8 | displacement",  //
+                          "--",                                                              //
+                          "13 average 2: | to average 1#9 | of align 2#10+ align 2#11+ "
+                          "align 2#12+",                                                       //
+                          "--",                                                                //
+                          "14 align 3: a | to average 2#13 | from align 2#10 | counts index",  //
+                          "15 align 3: b | to average 2#13 | from align 2#11",                 //
+                          "16 align 3: c | to average 2#13 | from align 2#12",                 //
+                          "--",                                                                //
+                          "17 compare: a x a | from align 3#14",                               //
+                          "18 compare: a x b | from align 3#14 align 3#15",                    //
+                          "19 compare: a x c | from align 3#14 align 3#16",                    //
+                          "20 compare: b x b | from align 3#15",                               //
+                          "21 compare: b x c | from align 3#15 align 3#16",                    //
+                          "22 compare: c x c | from align 3#16",                               //
+                          "23 variation: a | to average 2#13 | from align 3#14",               //
+                          "24 variation: b | to average 2#13 | from align 3#15",               //
+                          "25 variation: c | to average 2#13 | from align 3#16",               //
+                          "--",                                                                //
+                          "26 summarize: | to average 2#13 | of variation#23 variation#24 "
+                          "variation#25"));
+  EXPECT_EQ(job.NamesOf(plan->Outputs().tiles),
+            "compare#17 compare#18 compare#19 compare#20 compare#21 compare#22");
+  EXPECT_EQ(job.NamesOf(plan->Outputs().alignments), "align 3#14 align 3#15 align 3#16");
+  EXPECT_EQ(job.NameOf(plan->Outputs().summary), "summarize#26");
+  EXPECT_EQ(job.NameOf(plan->Outputs().mean_shape), "summarize#26+");
+}
+
+TEST(PlanToAverage, StartsFromIdentityWithoutAPose) {
+  FakeJob job(2);
+  const auto plan = job.Plan(SpecOf(Method::kAverage, PoseMode::kNone));
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",                                                //
+                          "1 ingest: b raw",                                                //
+                          "--",                                                             //
+                          "2 align 1: a | to a | displacement, counts index",               //
+                          "3 align 1: b | to a | displacement",                             //
+                          "--",                                                             //
+                          "4 average 1: | to a | of align 1#2+ align 1#3+",                 //
+                          "--",                                                             //
+                          "5 align 2: a | to average 1#4 | from align 1#2 | counts index",  //
+                          "6 align 2: b | to average 1#4 | from align 1#3",                 //
+                          "--",                                                             //
+                          "7 compare: a x a | from align 2#5",                              //
+                          "8 compare: a x b | from align 2#5 align 2#6",                    //
+                          "9 compare: b x b | from align 2#6",                              //
+                          "10 variation: a | to average 1#4 | from align 2#5",              //
+                          "11 variation: b | to average 1#4 | from align 2#6",              //
+                          "--",                                                             //
+                          "12 summarize: | to average 1#4 | of variation#10 variation#11"));
+}
+
+TEST(PlanToOne, IsThisForThreeMeshesAndTheSecondAsBase) {
+  FakeJob job(3);
+  JobSpec spec = SpecOf(Method::kOne);
+  spec.base = "b.ply";
+  const auto plan = job.Plan(spec);
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",                                 //
+                          "1 ingest: b raw",                                 //
+                          "2 ingest: c raw",                                 //
+                          "--",                                              //
+                          "3 pose: a | to b | counts index",                 //
+                          "4 pose: b | to b",                                //
+                          "5 pose: c | to b",                                //
+                          "--",                                              //
+                          "6 align: a | to b | from pose#3 | counts index",  //
+                          "7 align: b | to b | from pose#4",                 //
+                          "8 align: c | to b | from pose#5",                 //
+                          "--",                                              //
+                          "9 compare: a x a | from align#6",                 //
+                          "10 compare: a x b | from align#6 align#7",        //
+                          "11 compare: a x c | from align#6 align#8",        //
+                          "12 compare: b x b | from align#7",                //
+                          "13 compare: b x c | from align#7 align#8",        //
+                          "14 compare: c x c | from align#8",                //
+                          "15 variation: a | to b | from align#6",           //
+                          "16 variation: b | to b | from align#7",           //
+                          "17 variation: c | to b | from align#8",           //
+                          "--",                                              //
+                          "18 summarize: | to b | of variation#15 variation#16 variation#17 "
+                          "| moves reference"));
+  EXPECT_EQ(job.NamesOf(plan->Outputs().alignments), "align#6 align#7 align#8");
+}
+
+TEST(PlanToEach, IsThisForThreeMeshesAndTheSecondAsBase) {
+  FakeJob job(3);
+  JobSpec spec = SpecOf(Method::kEach);
+  spec.base = "b.ply";
+  const auto plan = job.Plan(spec);
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",                                                  //
+                          "1 ingest: b raw",                                                  //
+                          "2 ingest: c raw",                                                  //
+                          "--",                                                               //
+                          "3 pose: a | to b | counts index",                                  //
+                          "4 pose: b | to b",                                                 //
+                          "5 pose: c | to b",                                                 //
+                          "--",                                                               //
+                          "6 compare: a b c x a | from pose#3 pose#4 pose#5 | counts index",  //
+                          "7 compare: a b c x b | from pose#3 pose#4 pose#5 | counts index",  //
+                          "8 compare: a b c x c | from pose#3 pose#4 pose#5 | counts index",  //
+                          "--",                                                               //
+                          "9 variation: a | to b | from compare#7+",                          //
+                          "10 variation: b | to b | from compare#7+",                         //
+                          "11 variation: c | to b | from compare#7+",                         //
+                          "--",                                                               //
+                          "12 summarize: | to b | of variation#9 variation#10 variation#11 "
+                          "| moves reference"));
+  EXPECT_EQ(job.NamesOf(plan->Outputs().tiles), "compare#6 compare#7 compare#8");
+  EXPECT_EQ(job.NamesOf(plan->Outputs().alignments), "compare#7+");
+}
+
+TEST(PlanToEach, StartsFromIdentityWithoutAPose) {
+  FakeJob job(2);
+  const auto plan = job.Plan(SpecOf(Method::kEach, PoseMode::kNone));
+  EXPECT_THAT(job.RunAll(*plan), ElementsAre("0 ingest: a raw",                          //
+                                             "1 ingest: b raw",                          //
+                                             "--",                                       //
+                                             "2 compare: a b x a | counts index",        //
+                                             "3 compare: a b x b | counts index",        //
+                                             "--",                                       //
+                                             "4 variation: a | to a | from compare#2+",  //
+                                             "5 variation: b | to a | from compare#2+",  //
+                                             "--",                                       //
+                                             "6 summarize: | to a | of variation#4 "
+                                             "variation#5 | moves reference"));
+}
+
+TEST(PlanToNone, IsThisForThreeMeshes) {
+  FakeJob job(3);
+  const auto plan = job.Plan(SpecOf(Method::kNone));
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",         //
+                          "1 ingest: b raw",         //
+                          "2 ingest: c raw",         //
+                          "--",                      //
+                          "3 compare: a x a",        //
+                          "4 compare: a x b",        //
+                          "5 compare: a x c",        //
+                          "6 compare: b x b",        //
+                          "7 compare: b x c",        //
+                          "8 compare: c x c",        //
+                          "9 variation: a | to a",   //
+                          "10 variation: b | to a",  //
+                          "11 variation: c | to a",  //
+                          "--",                      //
+                          "12 summarize: | to a | of variation#9 variation#10 variation#11 "
+                          "| moves reference"));
+  EXPECT_THAT(plan->Outputs().alignments, IsEmpty());
+}
+
+struct Size {
+  Method method;
+  int meshes;
+  int64_t tasks;
+};
+class PlanSize : public ::testing::TestWithParam<Size> {};
+
+// ingest n, pose n, then: average with M rounds (M + 1) n + M, one n, each n; tiles n (n + 1) / 2
+// but for each; variation n; summarize 1.
+TEST_P(PlanSize, IsAsTheMethodSays) {
+  FakeJob job(GetParam().meshes);
+  const auto plan = job.Plan(SpecOf(GetParam().method, PoseMode::kPrincipalAxes, 3));
+  EXPECT_EQ(plan->CurrentProgress().tasks_total, GetParam().tasks) << "announced";
+  (void)job.RunAll(*plan);
+  EXPECT_EQ(plan->CurrentProgress().tasks_total, GetParam().tasks);
+  EXPECT_EQ(plan->CurrentProgress().tasks_done, GetParam().tasks);
+}
+
+INSTANTIATE_TEST_SUITE_P(Table,
+                         PlanSize,
+                         ::testing::Values(Size{Method::kAverage, 3, 3 + 3 + 15 + 6 + 3 + 1},
+                                           Size{Method::kAverage, 4, 4 + 4 + 19 + 10 + 4 + 1},
+                                           Size{Method::kAverage, 5, 5 + 5 + 23 + 15 + 5 + 1},
+                                           Size{Method::kOne, 3, 3 + 3 + 3 + 6 + 3 + 1},
+                                           Size{Method::kOne, 4, 4 + 4 + 4 + 10 + 4 + 1},
+                                           Size{Method::kOne, 5, 5 + 5 + 5 + 15 + 5 + 1},
+                                           Size{Method::kEach, 3, 3 + 3 + 3 + 3 + 1},
+                                           Size{Method::kEach, 4, 4 + 4 + 4 + 4 + 1},
+                                           Size{Method::kEach, 5, 5 + 5 + 5 + 5 + 1},
+                                           Size{Method::kNone, 3, 3 + 6 + 3 + 1},
+                                           Size{Method::kNone, 4, 4 + 10 + 4 + 1},
+                                           Size{Method::kNone, 5, 5 + 15 + 5 + 1}));
+
+}  // namespace
+}  // namespace cohort
