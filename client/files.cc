@@ -142,8 +142,8 @@ absl::Status WriteWholeFile(const fs::path& file, std::string_view bytes) {
   const fs::path aside = file.parent_path() / absl::StrCat(".", file.filename().string(), ".new");
   const std::string what = "cannot write " + file.string();
   {
-    const Descriptor out(
-        open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH));
+    const Descriptor out(open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC,
+                              S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH));
     if (out.Get() < 0) {
       return ErrnoStatus(errno, what);
     }

@@ -27,7 +27,8 @@ struct FileDigest {
 [[nodiscard]] absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& file);
 
 /// Writes aside and renames, so that a reader sees the old file or the whole new one.
-/// @return kResourceExhausted if the disk is full, kPermissionDenied, else kUnknown; naming the file.
+/// @return kResourceExhausted if the disk is full, kPermissionDenied, else kUnknown; naming the
+/// file.
 [[nodiscard]] absl::Status WriteWholeFile(const std::filesystem::path& file,
                                           std::string_view bytes);
 

@@ -30,10 +30,10 @@ absl::StatusOr<std::unique_ptr<LocalCluster>> LocalCluster::Start(
   cluster->socket_dir_ = socket_dir;
   cluster->address_ = "unix:" + socket_dir + "/server.sock";
   const std::string parent = std::to_string(getpid());
-  COHORT_RETURN_IF_ERROR(cluster->StartMember(
-      "server", "cohort-server",
-      {"--data", options.data_dir.string(), "--listen", cluster->address_, "--lease-seconds", "10",
-       "--exit-with-parent", parent}));
+  COHORT_RETURN_IF_ERROR(
+      cluster->StartMember("server", "cohort-server",
+                           {"--data", options.data_dir.string(), "--listen", cluster->address_,
+                            "--lease-seconds", "10", "--exit-with-parent", parent}));
   const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const int threads =
       options.threads > 0 ? options.threads : std::max(1, processors / options.workers);
@@ -54,10 +54,8 @@ absl::Status LocalCluster::StartMember(const std::string& name,
   const std::filesystem::path path = SiblingProgram(program);
   COHORT_ASSIGN_OR_RETURN(ChildProcess process, ChildProcess::Start(path, arguments, LogOf(name)));
   MutexLock lock(mutex_);
-  members_.push_back({.name = name,
-                      .program = path,
-                      .arguments = arguments,
-                      .process = std::move(process)});
+  members_.push_back(
+      {.name = name, .program = path, .arguments = arguments, .process = std::move(process)});
   return absl::OkStatus();
 }
 
@@ -82,8 +80,8 @@ void LocalCluster::RestartIfDead(Member& member) {
   if (!end || !health_.ok()) {
     return;
   }
-  const std::string what = member.name + " ended (" + *end + "), see " +
-                           LogOf(member.name).string();
+  const std::string what =
+      member.name + " ended (" + *end + "), see " + LogOf(member.name).string();
   if (++member.restarts > kMaxRestarts) {
     health_ = absl::AbortedError(what + "; it was started " + std::to_string(kMaxRestarts) +
                                  " times before");

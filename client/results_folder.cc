@@ -65,14 +65,14 @@ absl::StatusOr<Fetched> Fetch(Session& session, const JobId& id, std::optional<M
   }
   COHORT_ASSIGN_OR_RETURN(const JobOutputs outputs, session.GetOutputs(id));
   COHORT_ASSIGN_OR_RETURN(fetched.meshes, session.ListJobMeshes(id));
-  COHORT_ASSIGN_OR_RETURN(const RowMajorMatrix directed,
-                          session.GetMatrix(id, fetched.job.spec.metric,
-                                            static_cast<int64_t>(fetched.meshes.size())));
+  COHORT_ASSIGN_OR_RETURN(
+      const RowMajorMatrix directed,
+      session.GetMatrix(id, fetched.job.spec.metric, static_cast<int64_t>(fetched.meshes.size())));
   fetched.matrix = WithoutRejected(directed, fetched.meshes);
   if (fetched.job.spec.symmetrization != Symmetrization::kDirected) {
-    fetched.matrix = Symmetrized(fetched.matrix, fetched.job.spec.symmetrization == Symmetrization::kMax
-                                                     ? PairRule::kMax
-                                                     : PairRule::kMean);
+    fetched.matrix = Symmetrized(
+        fetched.matrix,
+        fetched.job.spec.symmetrization == Symmetrization::kMax ? PairRule::kMax : PairRule::kMean);
   }
   fetched.persons = PersonsOf(fetched.matrix.labels, fetched.meshes);
   COHORT_ASSIGN_OR_RETURN(fetched.alignments, FetchAlignments(session, outputs));
@@ -111,15 +111,13 @@ absl::Status WriteTables(FolderWriter& out,
                          const std::vector<std::vector<Neighbour>>& neighbours,
                          const std::string& unit) {
   const JobSpec& spec = fetched.job.spec;
-  COHORT_RETURN_IF_ERROR(out.Write(
-      {"matrix.csv", "metric of every pair, with file names", unit},
-      MatrixCsv(fetched.matrix, spec.metric)));
+  COHORT_RETURN_IF_ERROR(out.Write({"matrix.csv", "metric of every pair, with file names", unit},
+                                   MatrixCsv(fetched.matrix, spec.metric)));
+  COHORT_RETURN_IF_ERROR(out.Write({"neighbours.csv", "the most similar meshes of each mesh", unit},
+                                   NeighboursCsv(fetched.matrix, neighbours, fetched.persons)));
   COHORT_RETURN_IF_ERROR(
-      out.Write({"neighbours.csv", "the most similar meshes of each mesh", unit},
-                NeighboursCsv(fetched.matrix, neighbours, fetched.persons)));
-  COHORT_RETURN_IF_ERROR(out.Write(
-      {"meshes.csv", "each file: health, labels, and how well it was aligned", "mm"},
-      MeshesCsv(fetched.meshes, fetched.alignments)));
+      out.Write({"meshes.csv", "each file: health, labels, and how well it was aligned", "mm"},
+                MeshesCsv(fetched.meshes, fetched.alignments)));
   COHORT_RETURN_IF_ERROR(
       out.Write({"transforms.csv", "similarity of each mesh to the reference", "mm"},
                 TransformsCsv(fetched.meshes, fetched.alignments)));
@@ -136,11 +134,10 @@ absl::Status WritePictures(FolderWriter& out,
   const std::string unit = ValueUnit(description);
   COHORT_RETURN_IF_ERROR(out.Write({"heatmap.png", "the matrix as a picture", unit},
                                    HeatmapPng(fetched.matrix, description)));
+  COHORT_RETURN_IF_ERROR(out.Write({"histogram.png", "distribution of the pairs", unit},
+                                   HistogramPng(fetched.matrix, description, fetched.persons)));
   COHORT_RETURN_IF_ERROR(
-      out.Write({"histogram.png", "distribution of the pairs", unit},
-                HistogramPng(fetched.matrix, description, fetched.persons)));
-  COHORT_RETURN_IF_ERROR(out.Write({"mean_shape.ply", "the mean shape", "mm"},
-                                   MeanShapePly(fetched.mean_shape)));
+      out.Write({"mean_shape.ply", "the mean shape", "mm"}, MeanShapePly(fetched.mean_shape)));
   return out.Write({"variation.ply",
                     "the mean shape with, for each vertex, the metrics of its distances to all "
                     "meshes as scalars and the RMS as colour",
@@ -153,8 +150,7 @@ void CountPersons(const Fetched& fetched,
                   ResultsDigest& digest) {
   for (size_t i = 0; i < fetched.persons.size(); ++i) {
     const std::string& person = fetched.persons[i];
-    if (person.empty() ||
-        std::count(fetched.persons.begin(), fetched.persons.end(), person) < 2) {
+    if (person.empty() || std::count(fetched.persons.begin(), fetched.persons.end(), person) < 2) {
       continue;
     }
     ++digest.with_same_person;
@@ -174,9 +170,8 @@ absl::StatusOr<ResultsDigest> WriteResults(Session& session,
   COHORT_ASSIGN_OR_RETURN(const Fetched fetched, Fetch(session, id, metric));
   COHORT_RETURN_IF_ERROR(PrepareFolder(folder));
   const JobSpec& spec = fetched.job.spec;
-  const MatrixDescription description{.metric = spec.metric,
-                                      .method = spec.method,
-                                      .symmetrization = spec.symmetrization};
+  const MatrixDescription description{
+      .metric = spec.metric, .method = spec.method, .symmetrization = spec.symmetrization};
   const auto neighbours = NearestNeighbours(fetched.matrix, spec.neighbours);
   FolderWriter out(folder);
   COHORT_RETURN_IF_ERROR(WriteTables(out, fetched, neighbours, ValueUnit(description)));
@@ -190,13 +185,13 @@ absl::StatusOr<ResultsDigest> WriteResults(Session& session,
     digest.files.push_back(file.name);
   }
   // Last, so that a folder with a job.json is a whole one.
-  COHORT_RETURN_IF_ERROR(out.Write(
-      {"job.json", "parameters, inputs, versions, counters, times", ""},
-      JobJson({.job = fetched.job,
-               .meshes = fetched.meshes,
-               .files = out.Files(),
-               .software_version = "cohort " + std::string(BuildVersion()),
-               .host = HostName()})));
+  COHORT_RETURN_IF_ERROR(
+      out.Write({"job.json", "parameters, inputs, versions, counters, times", ""},
+                JobJson({.job = fetched.job,
+                         .meshes = fetched.meshes,
+                         .files = out.Files(),
+                         .software_version = "cohort " + std::string(BuildVersion()),
+                         .host = HostName()})));
   digest.files.push_back("job.json");
   return digest;
 }

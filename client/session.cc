@@ -207,7 +207,8 @@ absl::StatusOr<Job> Session::WatchJob(const JobId& id,
       last_heard = now;
     }
     const bool transient = status.ok() || quiet || status.code() == absl::StatusCode::kUnavailable;
-    if (!transient || now - last_heard > kPatience || (version == 0 && last.version == 0 && !quiet)) {
+    if (!transient || now - last_heard > kPatience ||
+        (version == 0 && last.version == 0 && !quiet)) {
       return status.ok() ? absl::UnavailableError("the server ended the stream") : status;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(500));

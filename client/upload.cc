@@ -8,9 +8,8 @@
 
 namespace cohort {
 
-absl::StatusOr<std::vector<MeshFile>> DescribeFiles(
-    const std::vector<std::filesystem::path>& files,
-    const Labels& labels) {
+absl::StatusOr<std::vector<MeshFile>> DescribeFiles(const std::vector<std::filesystem::path>& files,
+                                                    const Labels& labels) {
   std::vector<MeshFile> described;
   std::set<std::string> names;
   int64_t labelled = 0;

@@ -20,8 +20,7 @@ struct MeshFile {
 /// Hashes `files` and joins their labels; empty files and names used twice are refused.
 /// @return naming the file; kInvalidArgument if `labels` is not empty and names none of the files.
 [[nodiscard]] absl::StatusOr<std::vector<MeshFile>> DescribeFiles(
-    const std::vector<std::filesystem::path>& files,
-    const Labels& labels);
+    const std::vector<std::filesystem::path>& files, const Labels& labels);
 
 struct UploadCounts {
   int64_t sent = 0;

@@ -67,7 +67,10 @@ absl::Status WritePortFile(const std::string& path, const std::vector<std::strin
 
 struct Server::Services {
   Services(Coordinator& coordinator, BlobStore& store)
-      : mesh(coordinator), job(coordinator, hub), result(coordinator), blob(store),
+      : mesh(coordinator),
+        job(coordinator, hub),
+        result(coordinator),
+        blob(store),
         worker(coordinator) {
     coordinator.SetObserver(&hub);
   }
@@ -110,9 +113,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   CoordinatorOptions core;
   core.scheduler.lease_seconds = options.lease_seconds;
   core.build = std::string(BuildVersion());
-  COHORT_ASSIGN_OR_RETURN(server->coordinator_, Coordinator::Create(core, *server->catalog_,
-                                                                    *server->store_,
-                                                                    server->clock_));
+  COHORT_ASSIGN_OR_RETURN(
+      server->coordinator_,
+      Coordinator::Create(core, *server->catalog_, *server->store_, server->clock_));
   server->services_ = std::make_unique<Services>(*server->coordinator_, *server->store_);
   COHORT_RETURN_IF_ERROR(server->Listen(options));
   return server;
@@ -144,7 +147,8 @@ absl::Status Server::Listen(const ServerOptions& options) {
     addresses_.push_back(BoundAddress(normalized[i], ports[i]));
     spdlog::info("event=listening address={}", addresses_.back());
   }
-  return options.port_file.empty() ? absl::OkStatus() : WritePortFile(options.port_file, addresses_);
+  return options.port_file.empty() ? absl::OkStatus()
+                                   : WritePortFile(options.port_file, addresses_);
 }
 
 void Server::Stop() {

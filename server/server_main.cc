@@ -3,9 +3,9 @@
 #include <exception>
 #include <iostream>
 
-#include <CLI/CLI.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
 
 #include "common/base/process.h"
 #include "common/base/version.h"
@@ -37,11 +37,13 @@ int Serve(const ServerOptions& options) {
 
 int ServerMain(int argc, char** argv) {
   try {
-    CLI::App app("cohort-server: coordinates the alignment and comparison of meshes.\n\n"
-                 "Example: cohort-server --data /var/lib/cohort --listen 0.0.0.0:7450");
+    CLI::App app(
+        "cohort-server: coordinates the alignment and comparison of meshes.\n\n"
+        "Example: cohort-server --data /var/lib/cohort --listen 0.0.0.0:7450");
     ServerOptions options;
     app.set_version_flag("--version", std::string(BuildVersion()));
-    app.add_option("--data", options.data_dir, "folder of catalog and blobs")->capture_default_str();
+    app.add_option("--data", options.data_dir, "folder of catalog and blobs")
+        ->capture_default_str();
     app.add_option("--listen", options.listen,
                    "address: HOST:PORT (port 0: a free one) or unix:PATH; may be repeated")
         ->capture_default_str();

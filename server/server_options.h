@@ -8,8 +8,9 @@
 namespace cohort {
 
 struct ServerOptions {
-  std::string data_dir = "cohort-data";            ///< Catalog and blobs.
-  std::vector<std::string> listen = {"127.0.0.1:7450"};  ///< HOST:PORT (port 0: a free one), unix:PATH.
+  std::string data_dir = "cohort-data";  ///< Catalog and blobs.
+  std::vector<std::string> listen = {
+      "127.0.0.1:7450"};  ///< HOST:PORT (port 0: a free one), unix:PATH.
   double lease_seconds = 60;
   std::string port_file;  ///< If set, the addresses listened on are written there, one a line.
   std::string log_level = "info";

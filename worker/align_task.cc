@@ -52,8 +52,7 @@ absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& con
     COHORT_RETURN_IF_ERROR(context.CheckStop());
     COHORT_ASSIGN_OR_RETURN(const auto mesh, context.meshes.Get(input.blob));
     COHORT_ASSIGN_OR_RETURN(const Similarity start, SimilarityOf(starts, input));
-    const absl::StatusOr<Alignment> aligned =
-        AlignByIcp(mesh->vertices, target, start, task.icp);
+    const absl::StatusOr<Alignment> aligned = AlignByIcp(mesh->vertices, target, start, task.icp);
     if (!aligned.ok()) {
       result.rejections.push_back(
           {.index = input.index,
@@ -86,8 +85,7 @@ absl::StatusOr<TaskResult> RunAverageTask(const Task& task, const TaskContext& c
     COHORT_ASSIGN_OR_RETURN(const std::string bytes, context.store.Get(blob));
     COHORT_ASSIGN_OR_RETURN(DisplacementSum part, DecodeDisplacementBlob(bytes));
     if (part.sum.cols() != reference->VertexCount()) {
-      return absl::DataLossError("displacement blob " + blob.Hex() +
-                                 " does not fit the reference");
+      return absl::DataLossError("displacement blob " + blob.Hex() + " does not fit the reference");
     }
     mesh_count += part.mesh_count;
     sums.push_back(std::move(part.sum));

@@ -105,8 +105,8 @@ absl::StatusOr<TaskResult> RunAlignAndCompareTask(const Task& task, const TaskCo
     COHORT_RETURN_IF_ERROR(context.CheckStop());
     COHORT_ASSIGN_OR_RETURN(const auto mesh, context.meshes.Get(input.blob));
     COHORT_ASSIGN_OR_RETURN(const Similarity T_base_source, SimilarityOf(poses, input));
-    const absl::StatusOr<Alignment> aligned = AlignByIcp(
-        mesh->vertices, target, T_base_target.Inverse() * T_base_source, task.icp);
+    const absl::StatusOr<Alignment> aligned =
+        AlignByIcp(mesh->vertices, target, T_base_target.Inverse() * T_base_source, task.icp);
     block.sources.push_back(input.index);
     ++result.counters.pairs;
     if (!aligned.ok()) {
@@ -124,8 +124,7 @@ absl::StatusOr<TaskResult> RunAlignAndCompareTask(const Task& task, const TaskCo
     result.counters.compare.lookups += points.cols();
   }
   COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeTileBlob({block})));
-  COHORT_ASSIGN_OR_RETURN(result.second_output,
-                          context.store.Put(EncodeAlignmentBlob(alignments)));
+  COHORT_ASSIGN_OR_RETURN(result.second_output, context.store.Put(EncodeAlignmentBlob(alignments)));
   return result;
 }
 

@@ -44,8 +44,7 @@ absl::StatusOr<TaskResult> RunIngestTask(const Task& task, const TaskContext& co
   for (const TaskMesh& input : task.meshes) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
     COHORT_ASSIGN_OR_RETURN(const std::string bytes, context.store.Get(input.blob));
-    absl::StatusOr<CanonicalMesh> canonical =
-        MakeCanonical(bytes, input.name, task.position_bits);
+    absl::StatusOr<CanonicalMesh> canonical = MakeCanonical(bytes, input.name, task.position_bits);
     if (!canonical.ok()) {
       result.rejections.push_back(
           {.index = input.index, .reason = std::string(canonical.status().message())});

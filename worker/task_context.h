@@ -26,13 +26,11 @@ struct TaskContext {
 
 /// The alignments in `blobs` by mesh index.
 [[nodiscard]] absl::StatusOr<std::map<int32_t, Alignment>> LoadAlignments(
-    BlobStore& store,
-    const std::vector<Digest>& blobs);
+    BlobStore& store, const std::vector<Digest>& blobs);
 
 /// The alignment of `mesh`; the identity if `alignments` is empty.
 /// @return kDataLoss if it is missing.
 [[nodiscard]] absl::StatusOr<Similarity> SimilarityOf(
-    const std::map<int32_t, Alignment>& alignments,
-    const TaskMesh& mesh);
+    const std::map<int32_t, Alignment>& alignments, const TaskMesh& mesh);
 
 }  // namespace cohort

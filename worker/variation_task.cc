@@ -70,8 +70,7 @@ absl::StatusOr<TaskResult> RunSummarizeTask(const Task& task, const TaskContext&
   }
   TriangleMesh mean_shape = *reference;
   if (task.moves_reference) {
-    mean_shape.vertices =
-        MoveByMeanDisplacement(reference->vertices, sums, summary.mesh_count);
+    mean_shape.vertices = MoveByMeanDisplacement(reference->vertices, sums, summary.mesh_count);
   }
   TaskResult result;
   COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeSummaryBlob(summary)));

@@ -113,8 +113,8 @@ void WorkerLoop::Start(const GrantedTask& granted) {
   spdlog::debug("event=task_started worker={} job={} task={} stage=\"{}\" epoch={}",
                 options_.worker.value, granted.lease.task.job.value, granted.task.number,
                 granted.task.stage, granted.lease.epoch);
-  running.thread = std::thread(
-      [this, granted, stop = running.stop.get_token()] { RunSlot(granted, stop); });
+  running.thread =
+      std::thread([this, granted, stop = running.stop.get_token()] { RunSlot(granted, stop); });
 }
 
 void WorkerLoop::RunSlot(const GrantedTask& granted, std::stop_token stop) {
@@ -136,17 +136,15 @@ void WorkerLoop::Report(const Lease& lease,
     } else if (result.status().code() == absl::StatusCode::kCancelled) {
       said = link_.ReleaseTask(options_.worker, lease);
     } else {
-      spdlog::warn("event=task_failed worker={} job={} task={} error=\"{}\"",
-                   options_.worker.value, lease.task.job.value, lease.task.number,
-                   std::string(result.status().message()));
+      spdlog::warn("event=task_failed worker={} job={} task={} error=\"{}\"", options_.worker.value,
+                   lease.task.job.value, lease.task.number, std::string(result.status().message()));
       said = link_.FailTask(options_.worker, lease, result.status());
     }
     if (said.ok()) {
       return;
     }
-    spdlog::warn("event=report_failed worker={} job={} task={} error=\"{}\"",
-                 options_.worker.value, lease.task.job.value, lease.task.number,
-                 std::string(said.message()));
+    spdlog::warn("event=report_failed worker={} job={} task={} error=\"{}\"", options_.worker.value,
+                 lease.task.job.value, lease.task.number, std::string(said.message()));
     if (!IsTransient(said) || stop.stop_requested()) {
       return;  // The lease runs out and another worker does the task.
     }

@@ -10,9 +10,9 @@
 #include <random>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
 
 #include "common/base/process.h"
 #include "common/base/status_macros.h"
@@ -125,8 +125,9 @@ absl::Status RunWorker(const WorkerOptions& options) {
 
 int WorkerMain(int argc, char** argv) {
   try {
-    CLI::App app("cohort-worker: does the tasks of a cohort-server.\n\n"
-                 "Example: cohort-worker --server coordinator:7450 --threads 16");
+    CLI::App app(
+        "cohort-worker: does the tasks of a cohort-server.\n\n"
+        "Example: cohort-worker --server coordinator:7450 --threads 16");
     WorkerOptions options;
     AddOptions(app, options);
     try {

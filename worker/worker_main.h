@@ -8,10 +8,10 @@ namespace cohort {
 
 struct WorkerOptions {
   std::string server = "127.0.0.1:7450";  ///< HOST:PORT or unix:PATH.
-  int threads = 0;          ///< Tasks run at once; 0: one per processor.
-  std::string store;        ///< The server's blob folder, if this machine sees it; empty: over gRPC.
-  int64_t cache_mb = 256;   ///< Decoded meshes kept in memory.
-  std::string name;         ///< Shown in logs; empty: host, process and a random part.
+  int threads = 0;                        ///< Tasks run at once; 0: one per processor.
+  std::string store;       ///< The server's blob folder, if this machine sees it; empty: over gRPC.
+  int64_t cache_mb = 256;  ///< Decoded meshes kept in memory.
+  std::string name;        ///< Shown in logs; empty: host, process and a random part.
   double drain_seconds = 10;
   std::string log_level = "info";
   int exit_with_parent = 0;  ///< As in ServerOptions.

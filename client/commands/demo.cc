@@ -86,8 +86,9 @@ void AddDemoCommand(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_option("--seed", options.seed, "same seed, same bytes")->capture_default_str();
   command->add_option("--noise", options.noise, "scanner noise, mm")->capture_default_str();
-  command->add_option("--expression", options.expression_strength,
-                      "strength of expressions after the first scan, 0 to 1")
+  command
+      ->add_option("--expression", options.expression_strength,
+                   "strength of expressions after the first scan, 0 to 1")
       ->capture_default_str();
   command->add_flag("--json", flags->json, "print JSON for scripts");
   command->footer("Example: cohort demo --out demo --people 10 --captures 3 --vertices 10000");

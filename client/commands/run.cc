@@ -64,8 +64,7 @@ absl::StatusOr<ResultsDigest> Compute(const RunFlags& flags,
                                       const JobSpec& spec,
                                       const std::vector<MeshFile>& files,
                                       const LocalCluster& cluster) {
-  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session,
-                          Session::Open(cluster.Address()));
+  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, Session::Open(cluster.Address()));
   COHORT_RETURN_IF_ERROR(session->WaitUntilReady(kStartSeconds));
   const std::string request = RequestDigest(spec, files).Hex();
   const std::string folder_name =
@@ -125,9 +124,9 @@ absl::StatusOr<int> Run(const RunFlags& flags) {
   // Before hours are spent: can the results be written at all?
   COHORT_RETURN_IF_ERROR(PrepareFolder(flags.out));
   COHORT_ASSIGN_OR_RETURN(const std::vector<MeshFile> files, DescribeFiles(paths, labels));
-  const std::filesystem::path data =
-      flags.data.empty() ? std::filesystem::path(flags.out) / ".cohort-data"
-                         : std::filesystem::path(flags.data);
+  const std::filesystem::path data = flags.data.empty()
+                                         ? std::filesystem::path(flags.out) / ".cohort-data"
+                                         : std::filesystem::path(flags.data);
   COHORT_RETURN_IF_ERROR(PrepareFolder(data));
   COHORT_ASSIGN_OR_RETURN(const int exit_code, RunOnCluster(flags, spec, files, data));
   if (flags.data.empty() && !flags.keep_data &&
@@ -151,13 +150,15 @@ void AddRunCommand(CLI::App& app, Action& action) {
   command->add_option("--workers", flags->workers, "worker processes")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command->add_option("--threads", flags->threads,
-                      "tasks at once in each worker; 0: processors / workers")
+  command
+      ->add_option("--threads", flags->threads,
+                   "tasks at once in each worker; 0: processors / workers")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  command->add_option("--data", flags->data,
-                      "folder for catalog and blobs, kept for later runs [OUT/.cohort-data, removed "
-                      "when the job has succeeded]");
+  command->add_option(
+      "--data", flags->data,
+      "folder for catalog and blobs, kept for later runs [OUT/.cohort-data, removed "
+      "when the job has succeeded]");
   command->add_flag("--keep-data", flags->keep_data, "keep OUT/.cohort-data");
   command->add_flag("--json", flags->json, "print JSON for scripts");
   flags->spec.AddTo(*command);

@@ -58,8 +58,8 @@ nlohmann::json JobToJson(const Job& job) {
 }
 
 std::string JobToText(const Job& job) {
-  std::string text = fmt::format("{}  {}  {} %", job.id.value, JobStateName(job.state),
-                                 PercentDone(job));
+  std::string text =
+      fmt::format("{}  {}  {} %", job.id.value, JobStateName(job.state), PercentDone(job));
   if (!IsFinal(job.state) && !job.progress.stage.empty()) {
     text += fmt::format("  stage {}, {}/{} tasks", job.progress.stage, job.progress.tasks_done,
                         job.progress.tasks_total);
@@ -101,9 +101,8 @@ std::string ResultsToText(const ResultsDigest& results, const std::string& folde
     text += fmt::format("... and {} more; see meshes.csv\n", shown - kShownRejections);
   }
   const auto used = static_cast<int64_t>(results.meshes.size()) - static_cast<int64_t>(shown);
-  text += fmt::format("{}: {} of {} meshes compared, {} directed pairs, {}\n",
-                      results.job.id.value, used, results.meshes.size(), used * used,
-                      Duration(results.job));
+  text += fmt::format("{}: {} of {} meshes compared, {} directed pairs, {}\n", results.job.id.value,
+                      used, results.meshes.size(), used * used, Duration(results.job));
   if (results.with_same_person > 0) {
     text += fmt::format("nearest mesh is the same person: {} of {}\n", results.nearest_same_person,
                         results.with_same_person);

@@ -19,11 +19,11 @@ namespace cohort {
 /// Jobs as an aligned table, one a line.
 [[nodiscard]] std::string JobsToTable(const std::vector<Job>& jobs);
 
-/// The last words of `run` and `results`: rejected files, where the results are, what to open first.
+/// The last words of `run` and `results`: rejected files, where the results are, what to open
+/// first.
 [[nodiscard]] std::string ResultsToText(const ResultsDigest& results, const std::string& folder);
 
 /// The same for scripts.
-[[nodiscard]] nlohmann::json ResultsToJson(const ResultsDigest& results,
-                                           const std::string& folder);
+[[nodiscard]] nlohmann::json ResultsToJson(const ResultsDigest& results, const std::string& folder);
 
 }  // namespace cohort

@@ -68,12 +68,11 @@ void ProgressLine::Show(const Job& job, double elapsed_seconds) {
   }
   stage_ = job.progress.stage;
   tenth_ = tenth;
-  std::fprintf(out_, "%s: %s, %lld of %lld tasks done, %d %%, %s\n", job.id.value.c_str(),
-               stage_.empty() ? "done" : stage_.c_str(),
-               static_cast<long long>(job.progress.tasks_done),
-               static_cast<long long>(job.progress.tasks_total),
-               static_cast<int>(ShareDone(job.progress) * 100),
-               FormatDuration(elapsed_seconds).c_str());
+  std::fprintf(
+      out_, "%s: %s, %lld of %lld tasks done, %d %%, %s\n", job.id.value.c_str(),
+      stage_.empty() ? "done" : stage_.c_str(), static_cast<long long>(job.progress.tasks_done),
+      static_cast<long long>(job.progress.tasks_total),
+      static_cast<int>(ShareDone(job.progress) * 100), FormatDuration(elapsed_seconds).c_str());
   std::fflush(out_);
 }
 

@@ -7,8 +7,8 @@
 
 namespace cohort {
 
-/// Shows a job's progress while it runs: on a terminal one line that is drawn over (bar, tasks, rate,
-/// ETA), elsewhere a plain line per stage and per tenth. Not thread-safe.
+/// Shows a job's progress while it runs: on a terminal one line that is drawn over (bar, tasks,
+/// rate, ETA), elsewhere a plain line per stage and per tenth. Not thread-safe.
 class ProgressLine {
  public:
   /// @param out  usually stderr.

@@ -6,11 +6,11 @@
 #include <absl/status/statusor.h>
 
 /// Returns from the enclosing function when `expression` is a status that is not OK.
-#define COHORT_RETURN_IF_ERROR(expression)                            \
-  do {                                                            \
+#define COHORT_RETURN_IF_ERROR(expression)                                \
+  do {                                                                    \
     if (absl::Status cohort_status = (expression); !cohort_status.ok()) { \
-      return cohort_status;                                           \
-    }                                                             \
+      return cohort_status;                                               \
+    }                                                                     \
   } while (false)
 
 /// Assigns the value of a StatusOr to `target` (a declaration or a variable), or returns its error.
@@ -21,8 +21,8 @@
 #define COHORT_CONCAT_IMPL_(a, b) a##b
 #define COHORT_CONCAT_(a, b) COHORT_CONCAT_IMPL_(a, b)
 #define COHORT_ASSIGN_OR_RETURN_IMPL_(result, target, expression) \
-  auto result = (expression);                                 \
-  if (!result.ok()) {                                         \
-    return std::move(result).status();                        \
-  }                                                           \
+  auto result = (expression);                                     \
+  if (!result.ok()) {                                             \
+    return std::move(result).status();                            \
+  }                                                               \
   target = *std::move(result)

@@ -26,7 +26,8 @@ struct MeshAlignment {
 /// "COHALGN1", uint64 count, count x { int32 mesh, int32 iterations, uint8 converged,
 /// int64 lookups, float64 rms, mean, scale, R (9, row by row), t (3) }.
 [[nodiscard]] std::string EncodeAlignmentBlob(const std::vector<MeshAlignment>& alignments);
-[[nodiscard]] absl::StatusOr<std::vector<MeshAlignment>> DecodeAlignmentBlob(std::string_view bytes);
+[[nodiscard]] absl::StatusOr<std::vector<MeshAlignment>> DecodeAlignmentBlob(
+    std::string_view bytes);
 
 /// Sum of the displacements of some meshes.
 struct DisplacementSum {
@@ -43,8 +44,8 @@ struct MetricBlock {
   std::vector<int32_t> targets;      ///< Job indices, columns.
   std::vector<MetricValues> values;  ///< values[row * targets.size() + column].
 };
-/// "COHTILE1", uint64 blocks, each { uint64 rows, uint64 columns, uint64 metrics (7), int32 sources,
-/// int32 targets, float64 values }.
+/// "COHTILE1", uint64 blocks, each { uint64 rows, uint64 columns, uint64 metrics (7), int32
+/// sources, int32 targets, float64 values }.
 [[nodiscard]] std::string EncodeTileBlob(const std::vector<MetricBlock>& blocks);
 [[nodiscard]] absl::StatusOr<std::vector<MetricBlock>> DecodeTileBlob(std::string_view bytes);
 

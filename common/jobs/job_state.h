@@ -23,8 +23,8 @@ enum class JobState : uint8_t { kQueued, kRunning, kSucceeded, kFailed, kCancell
 
 /// A mesh of a set, as added.
 struct SetMesh {
-  std::string name;      ///< File name, unique in its set.
-  Digest raw;            ///< The file's bytes.
+  std::string name;  ///< File name, unique in its set.
+  Digest raw;        ///< The file's bytes.
   int64_t size_bytes = 0;
   std::map<std::string, std::string> labels;  ///< "person" and any other columns of --labels.
 };
@@ -59,8 +59,8 @@ struct Job {
   std::string set;
   JobSpec spec;
   JobState state = JobState::kQueued;
-  std::string error;     ///< Why it failed.
-  int64_t version = 0;   ///< Grows with every change of the job.
+  std::string error;    ///< Why it failed.
+  int64_t version = 0;  ///< Grows with every change of the job.
   int64_t created_unix_ms = 0;
   int64_t started_unix_ms = 0;   ///< 0: not yet.
   int64_t finished_unix_ms = 0;  ///< 0: not yet.

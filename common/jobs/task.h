@@ -18,14 +18,14 @@
 namespace cohort {
 
 enum class TaskKind : uint8_t {
-  kIngest,           ///< raw files -> canonical meshes and health reports
-  kPose,             ///< meshes, reference -> coarse poses
-  kAlign,            ///< meshes, reference, starts -> alignments, partial displacement sum
-  kAverage,          ///< reference, partial sums -> next reference
-  kCompare,          ///< two blocks of aligned meshes -> all metrics of their pairs, both directions
+  kIngest,   ///< raw files -> canonical meshes and health reports
+  kPose,     ///< meshes, reference -> coarse poses
+  kAlign,    ///< meshes, reference, starts -> alignments, partial displacement sum
+  kAverage,  ///< reference, partial sums -> next reference
+  kCompare,  ///< two blocks of aligned meshes -> all metrics of their pairs, both directions
   kAlignAndCompare,  ///< one target, all sources -> alignments, metrics (method each)
-  kVariation,        ///< reference, aligned meshes -> distances of each reference vertex to each mesh
-  kSummarize,        ///< variation blobs -> per-vertex metrics, mean shape
+  kVariation,  ///< reference, aligned meshes -> distances of each reference vertex to each mesh
+  kSummarize,  ///< variation blobs -> per-vertex metrics, mean shape
 };
 [[nodiscard]] std::string_view TaskKindName(TaskKind kind);  ///< "ingest", "pose", "align", ...
 
@@ -48,14 +48,14 @@ struct Task {
   std::vector<TaskMesh> targets;  ///< kCompare: columns (equal to `meshes` on the diagonal);
                                   ///< kAlignAndCompare: the one target.
   Digest reference;               ///< Mesh blob; kPose, kAlign, kAverage, kVariation, kSummarize.
-  /// Alignment blobs that together hold `meshes` and `targets`; kAlign: the starts; kAlignAndCompare:
-  /// poses to the base mesh. Empty: identities.
+  /// Alignment blobs that together hold `meshes` and `targets`; kAlign: the starts;
+  /// kAlignAndCompare: poses to the base mesh. Empty: identities.
   std::vector<Digest> alignments;
   std::vector<Digest> partials;  ///< kAverage: displacement blobs, kSummarize: variation blobs.
 
-  IcpOptions icp;            ///< kAlign, kAlignAndCompare.
-  int position_bits = 18;    ///< kIngest.
-  bool wants_displacement = false;   ///< kAlign: also write the partial displacement sum.
+  IcpOptions icp;                       ///< kAlign, kAlignAndCompare.
+  int position_bits = 18;               ///< kIngest.
+  bool wants_displacement = false;      ///< kAlign: also write the partial displacement sum.
   bool counts_reference_index = false;  ///< The first task of a stage counts the index that all of
                                         ///< them need, so that counts do not depend on who ran it.
   bool moves_reference = false;  ///< kSummarize: the mean shape is reference + mean displacement.
@@ -78,10 +78,10 @@ struct WorkCounters {
 struct Counters {
   WorkCounters pose;
   WorkCounters align;
-  WorkCounters average;    ///< Nearest vertices of the reference on each aligned mesh, M rounds.
+  WorkCounters average;  ///< Nearest vertices of the reference on each aligned mesh, M rounds.
   WorkCounters compare;
   WorkCounters variation;
-  int64_t pairs = 0;       ///< Directed pairs measured.
+  int64_t pairs = 0;  ///< Directed pairs measured.
   friend bool operator==(const Counters&, const Counters&) = default;
   Counters& operator+=(const Counters& other);
 };
@@ -96,11 +96,11 @@ struct MeshRejection {
 /// A mesh that ingest accepted.
 struct IngestedMesh {
   int32_t index = 0;
-  Digest blob;  ///< Canonical mesh.
+  Digest blob;           ///< Canonical mesh.
   int64_t vertices = 0;  ///< Of the canonical mesh.
   int64_t faces = 0;
   std::array<double, 3> centroid{};  ///< Of the canonical vertices.
-  MeshHealth health;     ///< Of the file.
+  MeshHealth health;                 ///< Of the file.
 };
 
 /// What a finished task tells the server.
@@ -108,8 +108,8 @@ struct TaskResult {
   /// kIngest: empty. kPose, kAlign: alignment blob. kAverage: mesh blob. kCompare: tile blob.
   /// kAlignAndCompare: tile blob. kVariation: variation blob. kSummarize: summary blob.
   Digest output;
-  Digest second_output;  ///< kAlign: displacement blob, if wanted. kAlignAndCompare: alignment blob.
-                         ///< kSummarize: mean shape as mesh blob.
+  Digest second_output;  ///< kAlign: displacement blob, if wanted. kAlignAndCompare: alignment
+                         ///< blob. kSummarize: mean shape as mesh blob.
   std::vector<IngestedMesh> ingested;     ///< kIngest.
   std::vector<MeshRejection> rejections;  ///< kIngest, kPose, kAlign.
   Counters counters;

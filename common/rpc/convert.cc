@@ -14,8 +14,7 @@ absl::StatusOr<Digest> OptionalDigest(const std::string& hex) {
 }
 
 absl::StatusOr<std::array<double, 3>> PointFromProto(
-    const google::protobuf::RepeatedField<double>& wire,
-    const char* field) {
+    const google::protobuf::RepeatedField<double>& wire, const char* field) {
   if (wire.size() != 3) {
     return absl::InvalidArgumentError(std::string(field) + ": 3 numbers expected, got " +
                                       std::to_string(wire.size()));

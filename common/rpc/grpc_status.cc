@@ -55,8 +55,7 @@ absl::Status FromGrpcStatus(const grpc::Status& status, const std::string& peer)
   }
   if (code == absl::StatusCode::kUnavailable) {
     return absl::UnavailableError("cannot reach the server at " + peer + " (" +
-                                  status.error_message() +
-                                  "); is cohort-server running there?");
+                                  status.error_message() + "); is cohort-server running there?");
   }
   if (code == absl::StatusCode::kDeadlineExceeded) {
     return absl::DeadlineExceededError("the server at " + peer + " did not answer in time");

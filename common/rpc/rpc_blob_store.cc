@@ -96,8 +96,7 @@ class RpcBlobReader final : public BlobReader {
     if (!stream_->Read(&piece_)) {
       ended_ = true;
       const absl::Status status = FromGrpcStatus(stream_->Finish(), peer_);
-      return status.ok() ? absl::DataLossError("blob " + digest_.Hex() + ": empty answer")
-                         : status;
+      return status.ok() ? absl::DataLossError("blob " + digest_.Hex() + ": empty answer") : status;
     }
     size_bytes_ = piece_.size_bytes();
     return absl::OkStatus();

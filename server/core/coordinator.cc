@@ -33,7 +33,8 @@ absl::Status CheckName(const std::string& name, const char* what) {
 
 absl::StatusOr<int> CheckPageSize(int page_size) {
   if (page_size < 0) {
-    return absl::InvalidArgumentError("page_size " + std::to_string(page_size) + ": must not be < 0");
+    return absl::InvalidArgumentError("page_size " + std::to_string(page_size) +
+                                      ": must not be < 0");
   }
   return page_size == 0 ? kDefaultPageSize : std::min(page_size, kMaxPageSize);
 }
@@ -191,10 +192,11 @@ absl::StatusOr<std::vector<JobMesh>> Coordinator::GetJobMeshes(const JobId& id) 
 absl::StatusOr<JobOutputs> Coordinator::GetOutputs(const JobId& id) {
   COHORT_ASSIGN_OR_RETURN(const Job job, GetJob(id));
   if (job.state != JobState::kSucceeded) {
-    return WithReason(absl::FailedPreconditionError(
-                          "job " + id.value + " is " + std::string(JobStateName(job.state)) +
-                          (job.error.empty() ? "" : " (" + job.error + ")") + ": it has no results"),
-                      "JOB_NOT_FINISHED");
+    return WithReason(
+        absl::FailedPreconditionError(
+            "job " + id.value + " is " + std::string(JobStateName(job.state)) +
+            (job.error.empty() ? "" : " (" + job.error + ")") + ": it has no results"),
+        "JOB_NOT_FINISHED");
   }
   return catalog_.GetOutputs(id);
 }

@@ -43,10 +43,7 @@ class Coordinator {
  public:
   /// Takes up the unfinished jobs of the catalog; their workers have one lease time to report in.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<Coordinator>> Create(
-      const CoordinatorOptions& options,
-      Catalog& catalog,
-      BlobStore& store,
-      const Clock& clock);
+      const CoordinatorOptions& options, Catalog& catalog, BlobStore& store, const Clock& clock);
 
   /// Set before the first call, or null.
   void SetObserver(JobObserver* observer) { observer_ = observer; }
@@ -78,9 +75,8 @@ class Coordinator {
   // Workers.
   /// @param is_cancelled  asked while waiting and before granting: the caller has gone.
   /// @return kFailedPrecondition (BUILD_MISMATCH) for a worker of another build.
-  [[nodiscard]] absl::StatusOr<WorkerOrders> Synchronize(
-      const WorkerReport& report,
-      const std::function<bool()>& is_cancelled);
+  [[nodiscard]] absl::StatusOr<WorkerOrders> Synchronize(const WorkerReport& report,
+                                                         const std::function<bool()>& is_cancelled);
   /// True: the result was taken. False: done already or not wanted any more.
   /// @return kFailedPrecondition (BLOB_MISSING) if an output is not in the store.
   [[nodiscard]] absl::StatusOr<bool> CompleteTask(const WorkerId& worker,

@@ -143,10 +143,10 @@ absl::Status Coordinator::GiveUpTasks(const std::vector<TaskId>& tasks) {
   for (const TaskId& task : tasks) {
     const auto found = active_.find(task.job);
     if (found != active_.end() && !IsFinal(found->second.job.state)) {
-      COHORT_RETURN_IF_ERROR(
-          EndJob(found->second, JobState::kFailed,
-                 "task " + std::to_string(task.number) + " was lost with too many workers; see "
-                 "their logs (out of memory?)"));
+      COHORT_RETURN_IF_ERROR(EndJob(found->second, JobState::kFailed,
+                                    "task " + std::to_string(task.number) +
+                                        " was lost with too many workers; see "
+                                        "their logs (out of memory?)"));
     }
   }
   return absl::OkStatus();

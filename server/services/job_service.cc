@@ -62,8 +62,7 @@ grpc::Status JobServiceSkin::CancelJob(grpc::ServerContext* /*context*/,
 }
 
 grpc::ServerWriteReactor<v1::WatchJobResponse>* JobServiceSkin::WatchJob(
-    grpc::CallbackServerContext* /*context*/,
-    const v1::WatchJobRequest* request) {
+    grpc::CallbackServerContext* /*context*/, const v1::WatchJobRequest* request) {
   const absl::StatusOr<Job> job = coordinator_.GetJob(JobId{request->id()});
   if (!job.ok()) {
     return new FailedWatch(ToGrpcStatus(job.status()));

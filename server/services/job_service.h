@@ -26,8 +26,7 @@ class JobServiceSkin final
                          const v1::CancelJobRequest* request,
                          v1::CancelJobResponse* response) override;
   grpc::ServerWriteReactor<v1::WatchJobResponse>* WatchJob(
-      grpc::CallbackServerContext* context,
-      const v1::WatchJobRequest* request) override;
+      grpc::CallbackServerContext* context, const v1::WatchJobRequest* request) override;
 
  private:
   Coordinator& coordinator_;

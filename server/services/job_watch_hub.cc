@@ -10,8 +10,8 @@
 namespace cohort {
 
 /// One open stream: one write at a time, and between writes only the newest state is kept. gRPC may
-/// call back from inside StartWrite and Finish, so neither is called with a lock held. Lives as long
-/// as gRPC (through self_) or the hub uses it.
+/// call back from inside StartWrite and Finish, so neither is called with a lock held. Lives as
+/// long as gRPC (through self_) or the hub uses it.
 class JobWatch final : public grpc::ServerWriteReactor<v1::WatchJobResponse> {
  public:
   JobWatch(JobWatchHub& hub, JobId id, int64_t since_version)

@@ -81,11 +81,10 @@ absl::Status MeshServiceSkin::ReceiveBytes(const v1::AddMeshRequest& first,
     COHORT_RETURN_IF_ERROR(writer->Append(message.chunk()));
   } while (reader.Read(&message));
   if (received != mesh.size_bytes) {
-    return WithReason(
-        absl::DataLossError("mesh " + mesh.name + ": " + std::to_string(received) +
-                            " bytes arrived, " + std::to_string(mesh.size_bytes) +
-                            " were announced; send it again"),
-        "UPLOAD_INCOMPLETE");
+    return WithReason(absl::DataLossError("mesh " + mesh.name + ": " + std::to_string(received) +
+                                          " bytes arrived, " + std::to_string(mesh.size_bytes) +
+                                          " were announced; send it again"),
+                      "UPLOAD_INCOMPLETE");
   }
   COHORT_ASSIGN_OR_RETURN(const Digest digest, writer->Commit());
   if (digest != mesh.raw) {

@@ -49,8 +49,8 @@ absl::Status ListPage(Coordinator& coordinator,
   COHORT_ASSIGN_OR_RETURN(const size_t first, FirstIndex(request.page_token()));
   COHORT_ASSIGN_OR_RETURN(const std::vector<JobMesh> meshes,
                           coordinator.GetJobMeshes(JobId{request.id()}));
-  const int size = request.page_size() == 0 ? kMaxPageSize
-                                            : std::min(request.page_size(), kMaxPageSize);
+  const int size =
+      request.page_size() == 0 ? kMaxPageSize : std::min(request.page_size(), kMaxPageSize);
   const size_t last = std::min(meshes.size(), first + static_cast<size_t>(size));
   for (size_t i = first; i < last; ++i) {
     *response.add_meshes() = ToProto(meshes[i]);

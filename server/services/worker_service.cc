@@ -48,8 +48,8 @@ grpc::Status WorkerServiceSkin::CompleteTask(grpc::ServerContext* /*context*/,
   if (!result.ok()) {
     return ToGrpcStatus(result.status());
   }
-  const absl::StatusOr<bool> taken = coordinator_.CompleteTask(
-      WorkerId{request->worker()}, FromProto(request->lease()), *result);
+  const absl::StatusOr<bool> taken =
+      coordinator_.CompleteTask(WorkerId{request->worker()}, FromProto(request->lease()), *result);
   if (!taken.ok()) {
     return ToGrpcStatus(taken.status());
   }

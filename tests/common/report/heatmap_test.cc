@@ -219,10 +219,5 @@ TEST(HeatmapPng, RefusesSizesThatDisagree) {
   EXPECT_THAT(HeatmapPng(matrix, {}), StatusIs(absl::StatusCode::kInvalidArgument, "3 x 3"));
 }
 
-TEST(Canvas, RefusesPagesThatCannotBeDrawn) {
-  EXPECT_THAT(Canvas::Create(0, 10), StatusIs(absl::StatusCode::kInvalidArgument, "0."));
-  EXPECT_THAT(Canvas::Create(20000, 10), StatusIs(absl::StatusCode::kInvalidArgument, "40000"));
-}
-
 }  // namespace
 }  // namespace cohort

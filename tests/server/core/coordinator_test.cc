@@ -1,0 +1,271 @@
+// The coordinator with a real catalog, a store in memory, a clock moved by hand, and workers that
+// are plain function calls.
+#include "server/core/coordinator.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include "common/base/error_reason.h"
+#include "common/store/memory_blob_store.h"
+#include "tests/testing/demo_scans.h"
+#include "tests/testing/fake_clock.h"
+#include "tests/testing/status_matchers.h"
+#include "worker/mesh_cache.h"
+#include "worker/task_runner.h"
+
+namespace cohort {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::IsOk;
+using testing::StatusIs;
+
+constexpr double kLeaseSeconds = 10;
+
+class CoordinatorTest : public ::testing::Test {
+ protected:
+  CoordinatorTest() {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("coordinator_test-" + std::to_string(getpid()) + "-" +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    Restart();
+  }
+  ~CoordinatorTest() override {
+    coordinator_.reset();
+    catalog_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  /// As after a crash: only the catalog and the store remain.
+  void Restart() {
+    coordinator_.reset();
+    catalog_.reset();
+    catalog_ = *Catalog::Open(folder_ / "catalog.db");
+    CoordinatorOptions options;
+    options.scheduler.lease_seconds = kLeaseSeconds;
+    options.build = "1";
+    coordinator_ = *Coordinator::Create(options, *catalog_, store_, clock_);
+  }
+
+  void AddScans(int people, int captures) {
+    for (const SetMesh& mesh : testing::PutDemoScans(store_, people, captures)) {
+      ASSERT_THAT(coordinator_->AddMesh("set", mesh), IsOk());
+    }
+  }
+
+  Job Submit(const std::string& request_id = "") {
+    JobSpec spec;
+    spec.rounds = 1;
+    spec.icp.max_iterations = 3;
+    return *coordinator_->CreateJob("set", spec, request_id);
+  }
+
+  std::vector<GrantedTask> Take(const std::string& worker, int count) {
+    WorkerReport report{.worker = WorkerId{worker}, .build = "1", .held = {}, .free_slots = count};
+    return coordinator_->Synchronize(report, [] { return false; })->grants;
+  }
+
+  absl::StatusOr<bool> Do(const std::string& worker, const GrantedTask& granted) {
+    MeshCache cache(store_, 1 << 20);
+    TaskRunner runner(store_, cache);
+    return coordinator_->CompleteTask(WorkerId{worker}, granted.lease,
+                                      *runner.Run(granted.task, {}));
+  }
+
+  /// Works until nothing is left, at most `limit` tasks.
+  int Work(const std::string& worker, int limit = 1000) {
+    int done = 0;
+    while (done < limit) {
+      const auto tasks = Take(worker, 1);
+      if (tasks.empty()) {
+        break;
+      }
+      EXPECT_THAT(Do(worker, tasks[0]), IsOk());
+      ++done;
+    }
+    return done;
+  }
+
+  std::filesystem::path folder_;
+  testing::FakeClock clock_;
+  MemoryBlobStore store_;
+  std::unique_ptr<Catalog> catalog_;
+  std::unique_ptr<Coordinator> coordinator_;
+};
+
+TEST_F(CoordinatorTest, RunsAJobToItsEnd) {
+  AddScans(3, 1);
+  const Job job = Submit();
+  EXPECT_EQ(job.state, JobState::kQueued);
+  Work("w");
+  const Job done = *coordinator_->GetJob(job.id);
+  EXPECT_EQ(done.state, JobState::kSucceeded);
+  EXPECT_EQ(done.progress.tasks_done, done.progress.tasks_total);
+  EXPECT_EQ(done.counters.pairs, 9);
+  EXPECT_THAT(coordinator_->GetOutputs(job.id), IsOk());
+}
+
+TEST_F(CoordinatorTest, AKilledWorkersTaskIsDoneByAnother) {
+  AddScans(3, 1);
+  const Job job = Submit();
+  const auto lost = Take("killed", 2);
+  ASSERT_EQ(lost.size(), 2U);
+  Work("w");
+  EXPECT_EQ(coordinator_->GetJob(job.id)->state, JobState::kRunning);
+  clock_.Advance(kLeaseSeconds + 1);
+  Work("w");
+  EXPECT_EQ(coordinator_->GetJob(job.id)->state, JobState::kSucceeded);
+}
+
+TEST_F(CoordinatorTest, ALateResultIsTakenOnceAndThenSuperseded) {
+  AddScans(3, 1);
+  Submit();
+  const auto slow = Take("slow", 1);
+  clock_.Advance(kLeaseSeconds + 1);
+  const auto again = Take("quick", 1);
+  ASSERT_EQ(again[0].lease.task, slow[0].lease.task);
+  EXPECT_GT(again[0].lease.epoch, slow[0].lease.epoch);
+  EXPECT_EQ(*Do("slow", slow[0]), true);
+  EXPECT_EQ(*Do("quick", again[0]), false);
+}
+
+TEST_F(CoordinatorTest, ARestartAtAnyPointEndsInTheSameOutputs) {
+  AddScans(3, 1);
+  const Job calm = Submit();
+  const int tasks = Work("w");
+  const JobOutputs expected = *coordinator_->GetOutputs(calm.id);
+  for (int stop_after = 0; stop_after < tasks; stop_after += 3) {
+    const Job job = Submit();
+    Work("w", stop_after);
+    const auto held = Take("w", 1);
+    Restart();
+    // The worker reports in with what it runs; nobody else gets that.
+    clock_.Advance(kLeaseSeconds / 2);
+    for (const GrantedTask& granted : held) {
+      EXPECT_EQ(*Do("w", granted), true) << "after " << stop_after;
+    }
+    Work("other");
+    ASSERT_EQ(coordinator_->GetJob(job.id)->state, JobState::kSucceeded) << stop_after;
+    const JobOutputs outputs = *coordinator_->GetOutputs(job.id);
+    EXPECT_EQ(outputs.tiles, expected.tiles);
+    EXPECT_EQ(outputs.mean_shape, expected.mean_shape);
+    EXPECT_EQ(coordinator_->GetJob(job.id)->counters, coordinator_->GetJob(calm.id)->counters);
+  }
+}
+
+TEST_F(CoordinatorTest, TheSameRequestIdGivesTheSameJobAlsoAfterARestart) {
+  AddScans(2, 1);
+  const Job first = Submit("request");
+  EXPECT_EQ(Submit("request").id, first.id);
+  Restart();
+  EXPECT_EQ(Submit("request").id, first.id);
+  EXPECT_NE(Submit("another").id, first.id);
+}
+
+TEST_F(CoordinatorTest, FilesIngestedBeforeAreNotIngestedAgain) {
+  AddScans(3, 1);
+  Submit();
+  Work("w");
+  Submit();
+  const auto tasks = Take("w", 1);
+  ASSERT_EQ(tasks.size(), 1U);
+  EXPECT_NE(tasks[0].task.kind, TaskKind::kIngest);
+}
+
+TEST_F(CoordinatorTest, ATaskThatAlwaysFailsFailsItsJobWithTheReason) {
+  AddScans(2, 1);
+  const Job job = Submit();
+  for (int i = 0; i < 10 && !IsFinal(coordinator_->GetJob(job.id)->state); ++i) {
+    for (const GrantedTask& granted : Take("w", 1)) {
+      EXPECT_THAT(coordinator_->FailTask(WorkerId{"w"}, granted.lease,
+                                         absl::UnavailableError("disk on fire")),
+                  IsOk());
+    }
+    clock_.Advance(60);
+  }
+  const Job failed = *coordinator_->GetJob(job.id);
+  EXPECT_EQ(failed.state, JobState::kFailed);
+  EXPECT_THAT(failed.error, HasSubstr("disk on fire"));
+  EXPECT_EQ(ErrorReason(coordinator_->GetOutputs(job.id).status()), "JOB_NOT_FINISHED");
+}
+
+TEST_F(CoordinatorTest, AReleasedTaskIsGrantedAgainAtOnce) {
+  AddScans(2, 1);
+  Submit();
+  const auto first = Take("w", 1);
+  EXPECT_THAT(coordinator_->ReleaseTask(WorkerId{"w"}, first[0].lease), IsOk());
+  const auto second = Take("w2", 1);
+  ASSERT_EQ(second.size(), 1U);
+  EXPECT_EQ(second[0].lease.task, first[0].lease.task);
+}
+
+TEST_F(CoordinatorTest, ACancelledJobGrantsNothingAndTellsItsWorkers) {
+  AddScans(2, 1);
+  const Job job = Submit();
+  const auto held = Take("w", 1);
+  EXPECT_EQ(coordinator_->CancelJob(job.id)->state, JobState::kCancelled);
+  WorkerReport report{.worker = WorkerId{"w"}, .build = "1", .held = {held[0].lease}};
+  report.free_slots = 1;
+  const WorkerOrders orders = *coordinator_->Synchronize(report, [] { return false; });
+  EXPECT_TRUE(orders.grants.empty());
+  EXPECT_THAT(orders.lost, ::testing::ElementsAre(held[0].lease));
+  EXPECT_EQ(*Do("w", held[0]), false);
+}
+
+TEST_F(CoordinatorTest, AWorkerOfAnotherBuildIsRefused) {
+  WorkerReport report{.worker = WorkerId{"w"}, .build = "2", .held = {}, .free_slots = 1};
+  const auto refused = coordinator_->Synchronize(report, [] { return false; });
+  EXPECT_THAT(refused, StatusIs(absl::StatusCode::kFailedPrecondition, "same version"));
+  EXPECT_EQ(ErrorReason(refused.status()), "BUILD_MISMATCH");
+}
+
+TEST_F(CoordinatorTest, AResultWhoseBlobIsNotInTheStoreIsRefused) {
+  AddScans(2, 1);
+  Submit();
+  const auto granted = Take("w", 1);
+  TaskResult result;
+  result.output = Sha256::Of("never written");
+  const auto answer = coordinator_->CompleteTask(WorkerId{"w"}, granted[0].lease, result);
+  EXPECT_EQ(ErrorReason(answer.status()), "BLOB_MISSING");
+}
+
+TEST_F(CoordinatorTest, AMeshWithoutItsBytesIsRefused) {
+  SetMesh mesh;
+  mesh.name = "a.ply";
+  mesh.raw = Sha256::Of("never sent");
+  EXPECT_EQ(ErrorReason(coordinator_->AddMesh("set", mesh).status()), "BLOB_MISSING");
+  mesh.name = "../a.ply";
+  EXPECT_EQ(ErrorReason(coordinator_->AddMesh("set", mesh).status()), "BAD_NAME");
+}
+
+/// Remembers what it hears.
+class Listener final : public JobObserver {
+ public:
+  void OnJobChanged(const Job& job) override { heard.push_back(job); }
+  std::vector<Job> heard;
+};
+
+TEST_F(CoordinatorTest, ObserversHearEveryChangeWithGrowingVersions) {
+  Listener listener;
+  coordinator_->SetObserver(&listener);
+  AddScans(2, 1);
+  const Job job = Submit();
+  Work("w");
+  ASSERT_FALSE(listener.heard.empty());
+  for (size_t i = 1; i < listener.heard.size(); ++i) {
+    EXPECT_GT(listener.heard[i].version, listener.heard[i - 1].version);
+    EXPECT_GE(listener.heard[i].progress.tasks_done, listener.heard[i - 1].progress.tasks_done);
+  }
+  EXPECT_EQ(listener.heard.back().state, JobState::kSucceeded);
+  EXPECT_EQ(listener.heard.back().id, job.id);
+}
+
+}  // namespace
+}  // namespace cohort

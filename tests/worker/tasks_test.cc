@@ -1,0 +1,249 @@
+// Whole jobs in one process: plan and task functions, no server, no network.
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "common/geometry/comparison/metrics.h"
+#include "common/jobs/blobs.h"
+#include "common/store/memory_blob_store.h"
+#include "common/store/mesh_blob.h"
+#include "server/planning/job_plan.h"
+#include "tests/testing/demo_scans.h"
+#include "tests/testing/status_matchers.h"
+#include "worker/mesh_cache.h"
+#include "worker/task_runner.h"
+
+namespace cohort {
+namespace {
+
+using testing::IsOk;
+using testing::StatusIs;
+
+using ::testing::HasSubstr;
+
+enum class Order { kForward, kBackward };
+
+/// A plan run to its end by one runner.
+struct FinishedJob {
+  std::unique_ptr<JobPlan> plan;
+  absl::Status status;
+};
+
+FinishedJob RunJob(const JobSpec& spec,
+                   const std::vector<SetMesh>& meshes,
+                   BlobStore& store,
+                   Order order = Order::kForward) {
+  MeshCache cache(store, 1 << 20);
+  TaskRunner runner(store, cache);
+  FinishedJob job;
+  job.plan = *JobPlan::Create(spec, meshes, {});
+  std::vector<Task> ready = job.plan->TakeReadyTasks();
+  while (!ready.empty() && job.status.ok()) {
+    if (order == Order::kBackward) {
+      std::reverse(ready.begin(), ready.end());
+    }
+    for (const Task& task : ready) {
+      const absl::StatusOr<TaskResult> result = runner.Run(task, {});
+      job.status = result.ok() ? job.plan->TaskFinished(task.number, *result) : result.status();
+      if (!job.status.ok()) {
+        return job;
+      }
+    }
+    ready = job.plan->TakeReadyTasks();
+  }
+  return job;
+}
+
+JobSpec QuickSpec(Method method) {
+  JobSpec spec;
+  spec.method = method;
+  spec.rounds = 2;
+  spec.icp.max_iterations = 4;
+  spec.icp.tolerance = 0;
+  return spec;
+}
+
+/// RMS of the directed pair, from the job's tiles.
+std::map<std::pair<int, int>, double> RmsOfPairs(const FinishedJob& job, BlobStore& store) {
+  std::map<std::pair<int, int>, double> pairs;
+  for (const Digest& tile : job.plan->Outputs().tiles) {
+    const auto blocks = *DecodeTileBlob(*store.Get(tile));
+    for (const MetricBlock& block : blocks) {
+      for (size_t r = 0; r < block.sources.size(); ++r) {
+        for (size_t c = 0; c < block.targets.size(); ++c) {
+          pairs[{block.sources[r], block.targets[c]}] =
+              block.values[r * block.targets.size() + c][0];
+        }
+      }
+    }
+  }
+  return pairs;
+}
+
+int64_t TotalVertices(const FinishedJob& job) {
+  int64_t total = 0;
+  for (const JobMesh& mesh : job.plan->Meshes()) {
+    total += mesh.ingested->vertices;
+  }
+  return total;
+}
+
+TEST(Tasks, AverageCountsTheWorkOfTheThesis) {
+  MemoryBlobStore store;
+  const auto meshes = testing::PutDemoScans(store, 5, 1);
+  const JobSpec spec = QuickSpec(Method::kAverage);
+  const FinishedJob job = RunJob(spec, meshes, store);
+  ASSERT_THAT(job.status, IsOk());
+  ASSERT_TRUE(job.plan->Done());
+  const int64_t N = 5;
+  const int64_t M = spec.rounds;
+  const int64_t base_vertices = job.plan->Meshes()[0].ingested->vertices;
+  const Counters& counters = job.plan->TotalCounters();
+  EXPECT_EQ(counters.align.index_builds + counters.average.index_builds, N * M + M + 1);
+  EXPECT_EQ(counters.align.lookups + counters.average.lookups,
+            TotalVertices(job) * spec.icp.max_iterations * (M + 1) + N * M * base_vertices);
+  EXPECT_EQ(counters.pairs, N * N);
+}
+
+TEST(Tasks, OneCountsTheWorkOfTheThesis) {
+  MemoryBlobStore store;
+  const auto meshes = testing::PutDemoScans(store, 5, 1);
+  const JobSpec spec = QuickSpec(Method::kOne);
+  const FinishedJob job = RunJob(spec, meshes, store);
+  ASSERT_THAT(job.status, IsOk());
+  EXPECT_EQ(job.plan->TotalCounters().align.index_builds, 1);
+  EXPECT_EQ(job.plan->TotalCounters().align.lookups, TotalVertices(job) * spec.icp.max_iterations);
+}
+
+TEST(Tasks, EachCountsTheWorkOfTheThesis) {
+  MemoryBlobStore store;
+  const auto meshes = testing::PutDemoScans(store, 5, 1);
+  const JobSpec spec = QuickSpec(Method::kEach);
+  const FinishedJob job = RunJob(spec, meshes, store);
+  ASSERT_THAT(job.status, IsOk());
+  EXPECT_EQ(job.plan->TotalCounters().align.index_builds, 5);
+  EXPECT_EQ(job.plan->TotalCounters().align.lookups,
+            5 * TotalVertices(job) * spec.icp.max_iterations);
+}
+
+TEST(Tasks, ResultsDoNotDependOnTheOrderOfTasks) {
+  for (const Method method : {Method::kAverage, Method::kOne, Method::kEach, Method::kNone}) {
+    MemoryBlobStore store;
+    const auto meshes = testing::PutDemoScans(store, 3, 2);
+    const FinishedJob forward = RunJob(QuickSpec(method), meshes, store);
+    const FinishedJob backward = RunJob(QuickSpec(method), meshes, store, Order::kBackward);
+    ASSERT_THAT(forward.status, IsOk());
+    ASSERT_THAT(backward.status, IsOk());
+    EXPECT_EQ(forward.plan->Outputs().tiles, backward.plan->Outputs().tiles);
+    EXPECT_EQ(forward.plan->Outputs().mean_shape, backward.plan->Outputs().mean_shape);
+    EXPECT_EQ(forward.plan->Outputs().summary, backward.plan->Outputs().summary);
+    EXPECT_EQ(forward.plan->TotalCounters(), backward.plan->TotalCounters());
+  }
+}
+
+TEST(Tasks, NoneMeasuresWhatBruteForceMeasures) {
+  MemoryBlobStore store;
+  const auto meshes = testing::PutDemoScans(store, 3, 1);
+  const FinishedJob job = RunJob(QuickSpec(Method::kNone), meshes, store);
+  ASSERT_THAT(job.status, IsOk());
+  const auto pairs = RmsOfPairs(job, store);
+  ASSERT_EQ(pairs.size(), 9U);
+  std::vector<TriangleMesh> shapes;
+  for (const JobMesh& mesh : job.plan->Meshes()) {
+    shapes.push_back(*DecodeMeshBlob(*store.Get(mesh.ingested->blob)));
+  }
+  for (const auto& [pair, rms] : pairs) {
+    const Eigen::Matrix3Xd& source = shapes[static_cast<size_t>(pair.first)].vertices;
+    const Eigen::Matrix3Xd& target = shapes[static_cast<size_t>(pair.second)].vertices;
+    double sum = 0;
+    for (Eigen::Index i = 0; i < source.cols(); ++i) {
+      sum += (target.colwise() - source.col(i)).colwise().squaredNorm().minCoeff();
+    }
+    // Distances are float32 on coordinates of about 100 mm.
+    EXPECT_NEAR(rms, std::sqrt(sum / static_cast<double>(source.cols())), 2e-5);
+  }
+}
+
+TEST(Tasks, EveryMethodFindsTheSamePersonNearest) {
+  MemoryBlobStore store;
+  const auto meshes = testing::PutDemoScans(store, 3, 2, 800);
+  for (const Method method : {Method::kAverage, Method::kOne, Method::kEach}) {
+    JobSpec spec;
+    spec.method = method;
+    const FinishedJob job = RunJob(spec, meshes, store);
+    ASSERT_THAT(job.status, IsOk());
+    auto pairs = RmsOfPairs(job, store);
+    for (int i = 0; i < 6; ++i) {
+      int nearest = -1;
+      for (int j = 0; j < 6; ++j) {
+        if (j != i && (nearest < 0 ||
+                       pairs[{i, j}] + pairs[{j, i}] < pairs[{i, nearest}] + pairs[{nearest, i}])) {
+          nearest = j;
+        }
+      }
+      EXPECT_EQ(nearest / 2, i / 2) << MethodName(method) << ", mesh " << i;
+    }
+  }
+}
+
+TEST(Tasks, ABrokenFileIsRejectedAndTheOthersGoOn) {
+  MemoryBlobStore store;
+  auto meshes = testing::PutDemoScans(store, 3, 1);
+  meshes.insert(meshes.begin(), testing::PutBrokenScan(store, "broken.ply"));
+  const FinishedJob job = RunJob(QuickSpec(Method::kOne), meshes, store);
+  ASSERT_THAT(job.status, IsOk());
+  EXPECT_THAT(job.plan->Meshes()[0].rejection, HasSubstr("broken.ply"));
+  EXPECT_EQ(RmsOfPairs(job, store).size(), 9U);
+}
+
+TEST(Tasks, AMissingBlobFailsTheTaskByName) {
+  MemoryBlobStore store;
+  const auto meshes = testing::PutDemoScans(store, 2, 1);
+  const std::unique_ptr<JobPlan> plan = *JobPlan::Create(QuickSpec(Method::kOne), meshes, {});
+  MemoryBlobStore other;
+  MeshCache cache(other, 1 << 20);
+  TaskRunner runner(other, cache);
+  const auto result = runner.Run(plan->TakeReadyTasks().at(0), {});
+  EXPECT_THAT(result, StatusIs(absl::StatusCode::kNotFound, meshes[0].raw.Hex()));
+}
+
+TEST(Tasks, AStoppedTaskIsCancelled) {
+  MemoryBlobStore store;
+  const auto meshes = testing::PutDemoScans(store, 2, 1);
+  const std::unique_ptr<JobPlan> plan = *JobPlan::Create(QuickSpec(Method::kOne), meshes, {});
+  MeshCache cache(store, 1 << 20);
+  TaskRunner runner(store, cache);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_THAT(runner.Run(plan->TakeReadyTasks().at(0), stop.get_token()),
+              StatusIs(absl::StatusCode::kCancelled, "stop"));
+}
+
+TEST(MeshCache, KeepsToItsLimitAndStillAnswers) {
+  MemoryBlobStore store;
+  TriangleMesh mesh;
+  mesh.vertices = Eigen::Matrix3Xd::Random(3, 100);
+  std::vector<Digest> blobs;
+  for (int i = 0; i < 5; ++i) {
+    mesh.vertices(0, 0) = i;
+    blobs.push_back(*store.Put(EncodeRawMeshBlob(mesh)));
+  }
+  MeshCache cache(store, 5000);  // Two of them.
+  for (int round = 0; round < 2; ++round) {
+    for (int i = 0; i < 5; ++i) {
+      const auto got = cache.Get(blobs[static_cast<size_t>(i)]);
+      ASSERT_THAT(got, IsOk());
+      EXPECT_EQ((*got)->vertices(0, 0), i);
+    }
+  }
+  const auto first = cache.Get(blobs[4]);
+  const auto second = cache.Get(blobs[4]);
+  EXPECT_EQ(first->get(), second->get()) << "decoded twice although it fits";
+}
+
+}  // namespace
+}  // namespace cohort

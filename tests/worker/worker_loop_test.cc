@@ -1,0 +1,184 @@
+#include "worker/worker_loop.h"
+
+#include <deque>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "common/base/error_reason.h"
+#include "common/store/memory_blob_store.h"
+#include "server/planning/job_plan.h"
+#include "tests/testing/demo_scans.h"
+#include "tests/testing/status_matchers.h"
+
+namespace cohort {
+namespace {
+
+using testing::IsOk;
+using testing::StatusIs;
+
+/// A server that hands out prepared tasks and remembers what it was told.
+class FakeLink final : public CoordinatorLink {
+ public:
+  absl::StatusOr<WorkerOrders> Synchronize(const WorkerReport& report) override {
+    MutexLock lock(mutex_);
+    if (cancelled_) {
+      return absl::CancelledError("stopping");
+    }
+    if (!refusal_.ok()) {
+      return refusal_;
+    }
+    WorkerOrders orders;
+    orders.next_sync_seconds = 0.01;
+    orders.lease_seconds = 60;
+    for (int i = 0; i < report.free_slots && !tasks_.empty(); ++i) {
+      const Task task = tasks_.front();
+      tasks_.pop_front();
+      GrantedTask granted;
+      granted.lease.task = {.job = JobId{"j"}, .number = task.number};
+      granted.lease.epoch = 1;
+      granted.task = task;
+      orders.grants.push_back(granted);
+    }
+    max_held_ = std::max(max_held_, report.held.size() + orders.grants.size());
+    return orders;
+  }
+  absl::Status CompleteTask(const WorkerId&, const Lease& lease, const TaskResult&) override {
+    MutexLock lock(mutex_);
+    if (failures_to_make_ > 0) {
+      --failures_to_make_;
+      return absl::UnavailableError("the network is down");
+    }
+    completed_.push_back(lease.task.number);
+    changed_.NotifyAll();
+    return absl::OkStatus();
+  }
+  absl::Status ReleaseTask(const WorkerId&, const Lease& lease) override {
+    MutexLock lock(mutex_);
+    released_.push_back(lease.task.number);
+    return absl::OkStatus();
+  }
+  absl::Status FailTask(const WorkerId&, const Lease& lease, const absl::Status& why) override {
+    MutexLock lock(mutex_);
+    failed_[lease.task.number] = why;
+    changed_.NotifyAll();
+    return absl::OkStatus();
+  }
+  void CancelSynchronize() override {
+    MutexLock lock(mutex_);
+    cancelled_ = true;
+  }
+
+  void WaitForReports(size_t count) {
+    MutexLock lock(mutex_);
+    while (completed_.size() + failed_.size() < count) {
+      changed_.Wait(mutex_);
+    }
+  }
+
+  Mutex mutex_;
+  CondVar changed_;
+  std::deque<Task> tasks_ ABSL_GUARDED_BY(mutex_);
+  std::vector<int64_t> completed_ ABSL_GUARDED_BY(mutex_);
+  std::vector<int64_t> released_ ABSL_GUARDED_BY(mutex_);
+  std::map<int64_t, absl::Status> failed_ ABSL_GUARDED_BY(mutex_);
+  absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
+  size_t max_held_ ABSL_GUARDED_BY(mutex_) = 0;
+  int failures_to_make_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+/// Ingest tasks of small scans, numbered from 0.
+std::deque<Task> IngestTasks(BlobStore& store, int count) {
+  JobSpec spec;
+  const auto plan = JobPlan::Create(spec, testing::PutDemoScans(store, count, 1), {});
+  std::deque<Task> tasks;
+  for (Task& task : (*plan)->TakeReadyTasks()) {
+    tasks.push_back(std::move(task));
+  }
+  return tasks;
+}
+
+class WorkerLoopTest : public ::testing::Test {
+ protected:
+  /// Starts a loop with `slots` slots on a thread of its own.
+  void Start(int slots) {
+    options_.worker = WorkerId{"w"};
+    options_.slots = slots;
+    thread_ = std::thread([this] {
+      WorkerLoop loop(options_, link_, runner_);
+      status_ = loop.Run(stop_.get_token());
+    });
+  }
+  void Stop() {
+    stop_.request_stop();
+    thread_.join();
+  }
+
+  MemoryBlobStore store_;
+  MeshCache cache_{store_, 1 << 20};
+  TaskRunner runner_{store_, cache_};
+  FakeLink link_;
+  WorkerLoopOptions options_;
+  std::stop_source stop_;
+  absl::Status status_;
+  std::thread thread_;
+};
+
+TEST_F(WorkerLoopTest, RunsEveryTaskOnceInItsSlots) {
+  {
+    MutexLock lock(link_.mutex_);
+    link_.tasks_ = IngestTasks(store_, 6);
+  }
+  Start(2);
+  link_.WaitForReports(6);
+  Stop();
+  EXPECT_THAT(status_, IsOk());
+  MutexLock lock(link_.mutex_);
+  EXPECT_THAT(link_.completed_, ::testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_LE(link_.max_held_, 2U);
+  EXPECT_TRUE(link_.failed_.empty());
+}
+
+TEST_F(WorkerLoopTest, SaysAResultAgainUntilTheServerHasIt) {
+  {
+    MutexLock lock(link_.mutex_);
+    link_.tasks_ = IngestTasks(store_, 2);
+    link_.failures_to_make_ = 2;
+  }
+  Start(1);
+  link_.WaitForReports(2);
+  Stop();
+  MutexLock lock(link_.mutex_);
+  EXPECT_THAT(link_.completed_, ::testing::UnorderedElementsAre(0, 1));
+}
+
+TEST_F(WorkerLoopTest, ReportsAFailureAndGoesOn) {
+  {
+    MutexLock lock(link_.mutex_);
+    link_.tasks_ = IngestTasks(store_, 2);
+    link_.tasks_[0].meshes[0].blob = Sha256::Of("not there");
+  }
+  Start(1);
+  link_.WaitForReports(2);
+  Stop();
+  MutexLock lock(link_.mutex_);
+  EXPECT_THAT(link_.failed_[0], StatusIs(absl::StatusCode::kNotFound, ""));
+  EXPECT_THAT(link_.completed_, ::testing::ElementsAre(1));
+}
+
+TEST_F(WorkerLoopTest, EndsWhenTheServerRefusesItsBuild) {
+  {
+    MutexLock lock(link_.mutex_);
+    link_.refusal_ = WithReason(absl::FailedPreconditionError("other build"), "BUILD_MISMATCH");
+  }
+  Start(1);
+  thread_.join();
+  EXPECT_THAT(status_, StatusIs(absl::StatusCode::kFailedPrecondition, "other build"));
+}
+
+}  // namespace
+}  // namespace cohort
