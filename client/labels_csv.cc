@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/status_macros.h"
+#include "common/base/utf8.h"
 
 namespace cohort {
 namespace {
@@ -96,6 +97,9 @@ absl::Status CheckHeader(const Row& header, const std::string& file) {
 absl::StatusOr<Labels> ParseLabels(std::string_view text, const std::string& file_name) {
   if (text.substr(0, 3) == "\xEF\xBB\xBF") {
     text.remove_prefix(3);
+  }
+  if (!IsValidUtf8(text)) {
+    return absl::InvalidArgumentError(file_name + ": is not UTF-8; save it as \"CSV UTF-8\"");
   }
   const std::string_view first_line = text.substr(0, text.find('\n'));
   const bool has_comma = first_line.find(',') != std::string_view::npos;

@@ -5,6 +5,7 @@
 
 #include "client/files.h"
 #include "common/base/status_macros.h"
+#include "common/base/utf8.h"
 
 namespace cohort {
 
@@ -19,6 +20,10 @@ absl::StatusOr<std::vector<MeshFile>> DescribeFiles(const std::vector<std::files
     file.mesh.name = path.filename().string();
     file.mesh.raw = hashed.digest;
     file.mesh.size_bytes = hashed.size_bytes;
+    if (!IsValidUtf8(file.mesh.name)) {
+      return absl::InvalidArgumentError("file name '" + PrintableUtf8(file.mesh.name) +
+                                        "' is not UTF-8; rename the file (convmv -t utf8)");
+    }
     if (!names.insert(file.mesh.name).second) {
       return absl::InvalidArgumentError("two files are named " + file.mesh.name +
                                         "; names must be unique in a set");

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "common/base/utf8.h"
 #include "common/geometry/io/read_mesh.h"
 #include "common/geometry/mesh/bounds.h"
 #include "common/store/mesh_blob.h"
@@ -46,8 +47,10 @@ absl::StatusOr<TaskResult> RunIngestTask(const Task& task, const TaskContext& co
     COHORT_ASSIGN_OR_RETURN(const std::string bytes, context.store.Get(input.blob));
     absl::StatusOr<CanonicalMesh> canonical = MakeCanonical(bytes, input.name, task.position_bits);
     if (!canonical.ok()) {
+      // The reason may quote the file, and a file may hold anything.
       result.rejections.push_back(
-          {.index = input.index, .reason = std::string(canonical.status().message())});
+          {.index = input.index,
+           .reason = PrintableUtf8(std::string(canonical.status().message()))});
       continue;
     }
     COHORT_ASSIGN_OR_RETURN(canonical->summary.blob, context.store.Put(canonical->blob));

@@ -7,7 +7,17 @@
 #include <numbers>
 #include <utility>
 
+#include "common/base/utf8.h"
 #include "common/report/plot_text.h"
+
+#ifdef __SANITIZE_ADDRESS__
+// Fontconfig keeps offsets instead of pointers, so LeakSanitizer takes the fonts in its and cairo's
+// caches for lost. Here and not in a test, for any program that draws.
+extern "C" const char* __lsan_default_suppressions();   // NOLINT(bugprone-reserved-identifier)
+extern "C" const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reserved-identifier)
+  return "leak:libfontconfig";
+}
+#endif
 
 namespace cohort {
 namespace {

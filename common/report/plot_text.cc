@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "common/base/utf8.h"
+
 namespace cohort {
 namespace {
 
-constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
-constexpr std::string_view kEllipsis = "\xE2\x80\xA6";     // U+2026
-constexpr size_t kWorthLeavingOut = 4;                     // Bytes; shorter ones stay.
+constexpr std::string_view kEllipsis = "\xE2\x80\xA6";  // U+2026
+constexpr size_t kWorthLeavingOut = 4;                  // Bytes; shorter ones stay.
 
 uint8_t ByteAt(std::string_view text, size_t i) {
   return static_cast<uint8_t>(text[i]);
@@ -16,28 +17,6 @@ uint8_t ByteAt(std::string_view text, size_t i) {
 
 bool IsContinuation(uint8_t byte) {
   return (byte & 0xC0U) == 0x80U;
-}
-
-// Length of the well-formed sequence at `begin`, or 0. Source: Unicode 15, table 3-7.
-size_t SequenceLength(std::string_view text, size_t begin) {
-  const uint8_t lead = ByteAt(text, begin);
-  if (lead < 0x80) return 1;
-  const size_t length = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
-  if (lead < 0xC2 || lead > 0xF4 || begin + length > text.size()) return 0;
-  for (size_t i = begin + 1; i < begin + length; ++i) {
-    if (!IsContinuation(ByteAt(text, i))) return 0;
-  }
-  const uint8_t second = ByteAt(text, begin + 1);
-  const bool is_overlong = (lead == 0xE0 && second < 0xA0) || (lead == 0xF0 && second < 0x90);
-  const bool is_surrogate = lead == 0xED && second > 0x9F;
-  const bool is_beyond = lead == 0xF4 && second > 0x8F;
-  return is_overlong || is_surrogate || is_beyond ? 0 : length;
-}
-
-bool IsControl(std::string_view text, size_t begin, size_t length) {
-  const uint8_t lead = ByteAt(text, begin);
-  if (length == 1) return lead < 0x20 || lead == 0x7F;
-  return lead == 0xC2 && ByteAt(text, begin + 1) < 0xA0;  // C1 controls.
 }
 
 size_t CommonPrefix(std::span<const std::string> labels) {
@@ -112,18 +91,6 @@ std::string MiddleCut(const std::string& text, double max_width, const MeasureTe
 }
 
 }  // namespace
-
-std::string PrintableUtf8(std::string_view text) {
-  std::string printable;
-  printable.reserve(text.size());
-  for (size_t i = 0; i < text.size();) {
-    const size_t length = SequenceLength(text, i);
-    const bool is_drawn = length > 0 && !IsControl(text, i, length);
-    printable += is_drawn ? text.substr(i, length) : kReplacement;
-    i += std::max<size_t>(length, 1);
-  }
-  return printable;
-}
 
 std::vector<std::string> FittedLabels(std::span<const std::string> labels,
                                       double max_width,

@@ -8,10 +8,6 @@
 
 namespace cohort {
 
-/// The text with each byte that is not UTF-8 and each control character replaced by U+FFFD, so that
-/// any file name can be drawn and put into JSON.
-[[nodiscard]] std::string PrintableUtf8(std::string_view text);
-
 /// Width of a text as it would be drawn.
 using MeasureText = std::function<double(const std::string&)>;
 

@@ -7,6 +7,7 @@
 
 #include "common/base/error_reason.h"
 #include "common/base/status_macros.h"
+#include "common/base/utf8.h"
 
 namespace cohort {
 namespace {
@@ -21,9 +22,9 @@ absl::Status CheckName(const std::string& name, const char* what) {
   const bool bad_characters = std::any_of(name.begin(), name.end(), [](char c) {
     return static_cast<unsigned char>(c) < 0x20 || c == '/' || c == '\\' || c == 0x7f;
   });
-  if (name.empty() || name.size() > kMaxNameLength || bad_characters) {
+  if (!IsValidUtf8(name) || name.empty() || name.size() > kMaxNameLength || bad_characters) {
     return WithReason(
-        absl::InvalidArgumentError(std::string(what) + " '" + name.substr(0, 80) +
+        absl::InvalidArgumentError(std::string(what) + " '" + PrintableUtf8(name.substr(0, 80)) +
                                    "': expected 1 to 255 bytes without '/', '\\' and control "
                                    "characters"),
         "BAD_NAME");
@@ -199,6 +200,13 @@ absl::StatusOr<JobOutputs> Coordinator::GetOutputs(const JobId& id) {
         "JOB_NOT_FINISHED");
   }
   return catalog_.GetOutputs(id);
+}
+
+absl::Status Coordinator::GetMatrix(const JobId& id,
+                                    Metric metric,
+                                    const std::function<bool(const MatrixBlock&)>& consume) {
+  COHORT_ASSIGN_OR_RETURN(const JobOutputs outputs, GetOutputs(id));
+  return ForEachMatrixBlock(store_, outputs, metric, consume);
 }
 
 absl::Status Coordinator::EndJob(ActiveJob& active, JobState state, const std::string& error) {

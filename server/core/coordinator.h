@@ -19,6 +19,7 @@
 #include "common/store/blob_store.h"
 #include "server/catalog/catalog.h"
 #include "server/core/active_job.h"
+#include "server/results/matrix_builder.h"
 #include "server/scheduling/scheduler.h"
 
 namespace cohort {
@@ -71,6 +72,11 @@ class Coordinator {
   [[nodiscard]] absl::StatusOr<std::vector<JobMesh>> GetJobMeshes(const JobId& id);
   /// @return kFailedPrecondition (JOB_NOT_FINISHED) unless the job has succeeded.
   [[nodiscard]] absl::StatusOr<JobOutputs> GetOutputs(const JobId& id);
+  /// Hands out the directed values of one metric block by block, until `consume` returns false.
+  /// @return as GetOutputs and ForEachMatrixBlock.
+  [[nodiscard]] absl::Status GetMatrix(const JobId& id,
+                                       Metric metric,
+                                       const std::function<bool(const MatrixBlock&)>& consume);
 
   // Workers.
   /// @param is_cancelled  asked while waiting and before granting: the caller has gone.

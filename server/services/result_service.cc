@@ -8,7 +8,6 @@
 #include "common/base/status_macros.h"
 #include "common/rpc/convert.h"
 #include "common/rpc/grpc_status.h"
-#include "server/results/matrix_builder.h"
 
 namespace cohort {
 namespace {
@@ -19,8 +18,7 @@ absl::Status SendMatrix(Coordinator& coordinator,
                         const v1::GetMatrixRequest& request,
                         grpc::ServerWriter<v1::GetMatrixResponse>& writer) {
   COHORT_ASSIGN_OR_RETURN(const Metric metric, FromProto(request.metric()));
-  COHORT_ASSIGN_OR_RETURN(const JobOutputs outputs, coordinator.GetOutputs(JobId{request.id()}));
-  return ForEachMatrixBlock(coordinator.Store(), outputs, metric, [&](const MatrixBlock& block) {
+  return coordinator.GetMatrix(JobId{request.id()}, metric, [&](const MatrixBlock& block) {
     v1::GetMatrixResponse message;
     message.mutable_sources()->Add(block.sources.begin(), block.sources.end());
     message.mutable_targets()->Add(block.targets.begin(), block.targets.end());

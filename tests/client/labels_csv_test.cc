@@ -37,6 +37,7 @@ TEST(ParseLabels, TakesSemicolonsAndAMissingLastLineEnd) {
 TEST(ParseLabels, NamesFileLineAndReason) {
   const auto kBad = absl::StatusCode::kInvalidArgument;
   EXPECT_THAT(ParseLabels("", "l.csv"), StatusIs(kBad, "l.csv: is empty"));
+  EXPECT_THAT(ParseLabels("file,person\na,\xE9\n", "l.csv"), StatusIs(kBad, "not UTF-8"));
   EXPECT_THAT(ParseLabels("name,person\n", "l.csv"), StatusIs(kBad, "l.csv: line 1: no column"));
   EXPECT_THAT(ParseLabels("file,file\n", "l.csv"), StatusIs(kBad, "unique"));
   EXPECT_THAT(ParseLabels("file,person\na\n", "l.csv"), StatusIs(kBad, "line 2: 1 fields"));

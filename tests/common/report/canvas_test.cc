@@ -15,15 +15,6 @@ using testing::IsOk;
 using testing::Pixels;
 using testing::StatusIs;
 
-// Fontconfig keeps offsets instead of pointers, so LeakSanitizer takes the fonts in cairo's caches
-// for lost. Emptied caches hold none.
-class EmptyFontCaches : public ::testing::Environment {
- public:
-  void TearDown() override { cairo_debug_reset_static_data(); }
-};
-[[maybe_unused]] const ::testing::Environment* const kEmptyFontCaches =
-    ::testing::AddGlobalTestEnvironment(new EmptyFontCaches);
-
 TEST(Canvas, RefusesPagesThatCannotBeDrawn) {
   EXPECT_THAT(Canvas::Create(0, 10), StatusIs(absl::StatusCode::kInvalidArgument, "0."));
   EXPECT_THAT(Canvas::Create(20000, 10), StatusIs(absl::StatusCode::kInvalidArgument, "40000"));

@@ -14,21 +14,6 @@ double CharacterCount(const std::string& text) {
   return count;
 }
 
-TEST(PrintableUtf8, KeepsWhatIsWellFormed) {
-  EXPECT_EQ(PrintableUtf8("Žluťoučký kůň, 漢字 😀.ply"), "Žluťoučký kůň, 漢字 😀.ply");
-}
-
-TEST(PrintableUtf8, ReplacesBrokenBytesAndControls) {
-  EXPECT_EQ(PrintableUtf8("a\xff"
-                          "b"),
-            "a\uFFFDb");
-  EXPECT_EQ(PrintableUtf8("\xc3"), "\uFFFD");                      // Cut short.
-  EXPECT_EQ(PrintableUtf8("\xc0\x80"), "\uFFFD\uFFFD");            // Overlong.
-  EXPECT_EQ(PrintableUtf8("\xed\xa0\x80"), "\uFFFD\uFFFD\uFFFD");  // Surrogate.
-  EXPECT_EQ(PrintableUtf8("\xf4\x90\x80\x80"), "\uFFFD\uFFFD\uFFFD\uFFFD");
-  EXPECT_EQ(PrintableUtf8("a\tb\x7f"), "a\uFFFDb\uFFFD");
-}
-
 TEST(FittedLabels, StayAsTheyAreWhenAllFit) {
   const std::vector<std::string> labels = {"scan_1.ply", "scan_2.ply"};
   EXPECT_THAT(FittedLabels(labels, 10, CharacterCount), ElementsAre("scan_1.ply", "scan_2.ply"));
