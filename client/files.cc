@@ -147,13 +147,13 @@ absl::Status WriteWholeFile(const fs::path& file, std::string_view bytes) {
     if (out.Get() < 0) {
       return ErrnoStatus(errno, what);
     }
-    if (const absl::Status written = WriteAll(out.Get(), bytes, what); !written.ok()) {
+    if (absl::Status written = WriteAll(out.Get(), bytes, what); !written.ok()) {
       unlink(aside.c_str());
       return written;
     }
   }
   if (rename(aside.c_str(), file.c_str()) != 0) {
-    const absl::Status status = ErrnoStatus(errno, what);
+    absl::Status status = ErrnoStatus(errno, what);
     unlink(aside.c_str());
     return status;
   }

@@ -48,6 +48,7 @@ absl::StatusOr<UploadCounts> Upload(Session& session,
                                     const std::string& set,
                                     const std::vector<MeshFile>& files) {
   std::vector<Digest> digests;
+  digests.reserve(files.size());
   for (const MeshFile& file : files) {
     digests.push_back(file.mesh.raw);
   }

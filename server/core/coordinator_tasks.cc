@@ -37,6 +37,7 @@ absl::Status Coordinator::Recover() {
   for (const Job& job : jobs) {
     COHORT_ASSIGN_OR_RETURN(const std::vector<JobMesh> job_meshes, catalog_.GetJobMeshes(job.id));
     std::vector<SetMesh> meshes;
+    meshes.reserve(job_meshes.size());
     for (const JobMesh& mesh : job_meshes) {
       meshes.push_back(mesh.mesh);
     }
@@ -195,6 +196,7 @@ absl::StatusOr<std::vector<GrantedTask>> Coordinator::GrantTasks(const WorkerId&
                                                                  int count) {
   const std::vector<Lease> leases = scheduler_.Grant(worker, count, clock_.Now());
   std::vector<GrantedTask> grants;
+  grants.reserve(leases.size());
   std::map<JobId, std::vector<TaskRecord>> records;
   for (const Lease& lease : leases) {
     ActiveJob& active = active_.at(lease.task.job);

@@ -24,6 +24,7 @@ grpc::Status MeshServiceSkin::FindMissing(grpc::ServerContext* /*context*/,
         "sha256: at most " + std::to_string(kMaxDigestsPerCall) + " per call"));
   }
   std::vector<Digest> digests;
+  digests.reserve(static_cast<size_t>(request->sha256_size()));
   for (const std::string& hex : request->sha256()) {
     const absl::StatusOr<Digest> digest = Digest::FromHex(hex);
     if (!digest.ok()) {

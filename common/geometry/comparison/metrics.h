@@ -11,13 +11,13 @@ namespace cohort {
 /// One number from a field of absolute distances. The order is the predecessor's menu and the order
 /// of values in tile blobs: append only.
 enum class Metric : uint8_t {
-  kRms,             ///< sqrt(sum d^2 / n)
-  kMean,            ///< sum d / n
-  kGeometricMean,   ///< exp(sum ln d / n); 0 if any d is 0
+  kRms,            ///< sqrt(sum d^2 / n)
+  kMean,           ///< sum d / n
+  kGeometricMean,  ///< exp(sum ln d / n); 0 if any d is 0
   kMin,
-  kMax,             ///< Directed Hausdorff distance.
-  kVariance,        ///< sum (d - mean)^2 / n; square units
-  kPercentile75,    ///< sorted[trunc(0.75 n - 0.5)], 0-based, ascending
+  kMax,           ///< Directed Hausdorff distance.
+  kVariance,      ///< sum (d - mean)^2 / n; square units
+  kPercentile75,  ///< sorted[trunc(0.75 n - 0.5)], 0-based, ascending
 };
 inline constexpr int kMetricCount = 7;
 inline constexpr std::array<Metric, kMetricCount> kAllMetrics = {

@@ -52,8 +52,8 @@ struct Alignment {
 /// Scaling ICP: repeat { nearest vertex of each source vertex, closed-form similarity }.
 ///
 /// Each pass fits the absolute similarity from the untransformed source, so that no drift builds
-/// up; the squared error never rises (Besl, McKay 1992) with scale off or least-squares; the symmetric
-/// scale gives up that guarantee for not shrinking.
+/// up; the squared error never rises (Besl, McKay 1992) with scale off or least-squares; the
+/// symmetric scale gives up that guarantee for not shrinking.
 /// @param source  3 x n, n >= 3, source units.
 /// @param T_target_source  the start.
 /// @return kInvalidArgument for bad options or n < 3; kFailedPrecondition if the fit is impossible

@@ -25,9 +25,9 @@ struct Similarity {
 enum class ScaleMode {
   kOff,   ///< Rigid: scale stays 1.
   kFree,  ///< Uniform scale that minimises the squared error: sum b'.(R a') / sum |a'|^2.
-  /// Uniform scale sqrt(sum |b'|^2 / sum |a'|^2): the same whichever mesh moves. With nearest-vertex
-  /// pairs, which err on both sides, the least-squares scale shrinks the source from pass to pass
-  /// (regression dilution); this one does not favour either mesh.
+  /// Uniform scale sqrt(sum |b'|^2 / sum |a'|^2): the same whichever mesh moves. With
+  /// nearest-vertex pairs, which err on both sides, the least-squares scale shrinks the source from
+  /// pass to pass (regression dilution); this one does not favour either mesh.
   kSymmetric,
 };
 

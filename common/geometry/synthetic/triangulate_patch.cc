@@ -309,8 +309,9 @@ void PatchMesher::Repair() {
       const Vertex& here = At(v);
       const double reach = 0.4 * (other.uv - here.uv).norm();
       if (here.t < 0) {
-        const Eigen::Vector2d step(random_.Uniform(-reach, reach), random_.Uniform(-reach, reach));
-        TryMove(v, MakeVertex(here.uv + step, -1), 1.0);
+        const double du = random_.Uniform(-reach, reach);  // one by one: arguments have no order
+        const double dv = random_.Uniform(-reach, reach);
+        TryMove(v, MakeVertex(here.uv + Eigen::Vector2d(du, dv), -1), 1.0);
       } else {
         const double moved = here.t + random_.Uniform(-reach, reach) / 600.0;  // mm of border
         const double t = moved - std::floor(moved);

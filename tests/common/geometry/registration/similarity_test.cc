@@ -66,6 +66,29 @@ TEST(FitSimilarity, KeepsScaleOneIfScaleIsOff) {
   EXPECT_TRUE(T->rotation.isApprox(truth.rotation, kRounding));
 }
 
+TEST(FitSimilarity, RecoversAKnownPoseWithTheSymmetricScale) {
+  const Eigen::Matrix3Xd source = RandomPoints(100, 1);
+  const Similarity truth = MakeSimilarity(1.3, 77, {1, -2, 0.5}, {10, -200, 3});
+  const auto T = FitSimilarity(source, truth.Apply(source), ScaleMode::kSymmetric);
+  ASSERT_THAT(T, IsOk());
+  EXPECT_NEAR(T->scale, 1.3, kRounding);
+  EXPECT_TRUE(T->translation.isApprox(truth.translation, kRounding));
+}
+
+TEST(FitSimilarity, GivesTheInverseIfSourceAndTargetOfTheSymmetricScaleSwap) {
+  const Eigen::Matrix3Xd source = RandomPoints(30, 1);
+  const Eigen::Matrix3Xd target = source + 0.3 * RandomPoints(30, 2);
+  const auto there = FitSimilarity(source, target, ScaleMode::kSymmetric);
+  const auto back = FitSimilarity(target, source, ScaleMode::kSymmetric);
+  ASSERT_THAT(there, IsOk());
+  ASSERT_THAT(back, IsOk());
+  EXPECT_TRUE((*back * *there).Matrix().isApprox(Eigen::Matrix4d::Identity(), kRounding));
+  // The least-squares scale shrinks both ways.
+  EXPECT_LT(FitSimilarity(source, target, ScaleMode::kFree)->scale *
+                FitSimilarity(target, source, ScaleMode::kFree)->scale,
+            1);
+}
+
 TEST(FitSimilarity, NeverReflects) {
   const Eigen::Matrix3Xd source = RandomPoints(100, 1);
   Eigen::Matrix3Xd mirrored = source;
