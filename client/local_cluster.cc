@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <utility>
 
 #include "common/base/status_macros.h"
@@ -16,6 +17,7 @@ namespace {
 constexpr int kMaxRestarts = 5;
 constexpr std::chrono::milliseconds kSuperviseStep(100);
 constexpr double kStopSeconds = 6;
+constexpr std::chrono::seconds kStartTime(60);
 
 }  // namespace
 
@@ -30,10 +32,12 @@ absl::StatusOr<std::unique_ptr<LocalCluster>> LocalCluster::Start(
   cluster->socket_dir_ = socket_dir;
   cluster->address_ = "unix:" + socket_dir + "/server.sock";
   const std::string parent = std::to_string(getpid());
-  COHORT_RETURN_IF_ERROR(
-      cluster->StartMember("server", "cohort-server",
-                           {"--data", options.data_dir.string(), "--listen", cluster->address_,
-                            "--lease-seconds", "10", "--exit-with-parent", parent}));
+  COHORT_RETURN_IF_ERROR(cluster->StartMember(
+      "server", "cohort-server",
+      {"--data", options.data_dir.string(), "--listen", cluster->address_, "--lease-seconds", "10",
+       "--port-file", (cluster->socket_dir_ / "addresses").string(), "--exit-with-parent",
+       parent}));
+  COHORT_RETURN_IF_ERROR(cluster->WaitForServer());
   const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const int threads =
       options.threads > 0 ? options.threads : std::max(1, processors / options.workers);
@@ -56,6 +60,22 @@ absl::Status LocalCluster::StartMember(const std::string& name,
   MutexLock lock(mutex_);
   members_.push_back(
       {.name = name, .program = path, .arguments = arguments, .process = std::move(process)});
+  return absl::OkStatus();
+}
+
+absl::Status LocalCluster::WaitForServer() {
+  const auto deadline = std::chrono::steady_clock::now() + kStartTime;
+  while (!std::filesystem::exists(socket_dir_ / "addresses")) {
+    {
+      MutexLock lock(mutex_);
+      const std::optional<std::string> end = members_.front().process.Ended();
+      if (end || std::chrono::steady_clock::now() > deadline) {
+        return absl::AbortedError("the server did not start (" + end.value_or("no answer") +
+                                  "), see " + LogOf("server").string());
+      }
+    }
+    std::this_thread::sleep_for(kSuperviseStep / 5);
+  }
   return absl::OkStatus();
 }
 

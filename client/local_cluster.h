@@ -51,6 +51,8 @@ class LocalCluster {
   absl::Status StartMember(const std::string& name,
                            const std::string& program,
                            const std::vector<std::string>& arguments);
+  /// Until the server listens.
+  absl::Status WaitForServer();
   void Supervise();
   void RestartIfDead(Member& member) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   [[nodiscard]] std::filesystem::path LogOf(const std::string& name) const;

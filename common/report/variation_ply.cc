@@ -46,6 +46,7 @@ absl::StatusOr<std::string> VariationPly(const TriangleMesh& mean_shape,
         " vertices for a mean shape of " + std::to_string(mean_shape.VertexCount()));
   }
   std::vector<VertexScalar> scalars;
+  scalars.reserve(kMetricCount);
   for (const Metric metric : kAllMetrics) scalars.push_back(Scalar(summary, metric));
   const ValueRange range = VariationColorRange(summary);
   std::vector<Rgb> colors;

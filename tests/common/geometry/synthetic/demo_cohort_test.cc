@@ -100,7 +100,7 @@ TEST(MakeDemoCohort, HasTheBytesItAlwaysHad) {
   const auto scans = MakeDemoCohort(Small(), serial);
   ASSERT_THAT(scans, IsOk());
   EXPECT_EQ(Sha256::Of(Bytes(*scans)).Hex(),
-            "6c3ac885b1155a87abd8f991c71c2f4fdef728a92bf428f0aa6308ecbc0b512b");
+            "9826c1c4c7bd2c3993969ce8bb4b0ca7756524045e4b93f177c078f36bfb6ea1");
 }
 
 TEST(MakeDemoCohort, AnotherSeedGivesOtherPeople) {
