@@ -11,7 +11,7 @@
 #include "common/base/mutex.h"
 #include "common/jobs/worker_protocol.h"
 #include "worker/coordinator_link.h"
-#include "worker/task_runner.h"
+#include "worker/tasks/task_runner.h"
 
 namespace cohort {
 

@@ -123,6 +123,12 @@ absl::StatusOr<int> Run(const RunFlags& flags) {
   }
   // Before hours are spent: can the results be written at all?
   COHORT_RETURN_IF_ERROR(PrepareFolder(flags.out));
+  std::error_code unknown;  // Then they differ.
+  if (std::filesystem::equivalent(flags.folder, flags.out, unknown)) {
+    return absl::InvalidArgumentError("--out " + flags.out +
+                                      " is the folder of the scans: the results would be taken for "
+                                      "scans next time");
+  }
   COHORT_ASSIGN_OR_RETURN(const std::vector<MeshFile> files, DescribeFiles(paths, labels));
   const std::filesystem::path data = flags.data.empty()
                                          ? std::filesystem::path(flags.out) / ".cohort-data"

@@ -9,7 +9,7 @@
 namespace cohort {
 namespace {
 
-constexpr double kSecondsPerByte = 1e-6;
+constexpr double kSecondsPerByte = 1.5e-7;
 constexpr int64_t kMeshesPerBatchStep = 64;
 constexpr int64_t kMaxBatchSize = 8;
 

@@ -223,9 +223,9 @@ class EndToEnd(unittest.TestCase):
 
     def test_a_cluster_started_by_hand_on_tcp_and_unix_socket(self):
         socket = "unix:" + str(self.dir / "server.sock")
-        _, (tcp, unix) = self.start_server("127.0.0.1:0", socket)
-        for _ in range(2):
-            self.start("cohort-worker", "--server", tcp, "--threads", 1)
+        server, (tcp, unix) = self.start_server("127.0.0.1:0", socket)
+        workers = [self.start("cohort-worker", "--server", tcp, "--threads", 1)
+                   for _ in range(2)]
         for address in (tcp, unix):
             with self.subTest(address=address):
                 added = cohort("add", *self.demo.glob("*.ply"), "--set", "demo", "--labels",
@@ -245,6 +245,9 @@ class EndToEnd(unittest.TestCase):
                 self.assertIn("same person: 8 of 8", fetched.stdout)
                 for name in RESULT_FILES:
                     self.assertTrue((out / name).exists(), name)
+        for process in (*workers, server):
+            process.send_signal(signal.SIGTERM)
+            self.assertEqual(process.wait(timeout=20), 0)
 
     def test_the_same_request_id_gives_the_same_job(self):
         _, (address,) = self.start_server("127.0.0.1:0")
@@ -315,6 +318,11 @@ class EndToEnd(unittest.TestCase):
         result = cohort("run", self.demo, "--out", "/proc/cohort")
         self.assertNotEqual(result.returncode, 0)
         self.assertIn("/proc/cohort", result.stderr)
+
+    def test_results_do_not_go_among_the_scans(self):
+        scans = self.dir / "scans"
+        shutil.copytree(self.demo, scans)
+        self.check_error(cohort("run", scans, "--out", scans), 2, "folder of the scans")
 
     def test_two_units_of_length(self):
         scans = self.dir / "scans"

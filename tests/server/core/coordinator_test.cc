@@ -15,8 +15,8 @@
 #include "tests/testing/demo_scans.h"
 #include "tests/testing/fake_clock.h"
 #include "tests/testing/status_matchers.h"
-#include "worker/mesh_cache.h"
-#include "worker/task_runner.h"
+#include "worker/tasks/mesh_cache.h"
+#include "worker/tasks/task_runner.h"
 
 namespace cohort {
 namespace {

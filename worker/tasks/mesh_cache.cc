@@ -1,4 +1,4 @@
-#include "worker/mesh_cache.h"
+#include "worker/tasks/mesh_cache.h"
 
 #include <utility>
 

@@ -14,8 +14,8 @@
 #include "server/planning/job_plan.h"
 #include "tests/testing/demo_scans.h"
 #include "tests/testing/status_matchers.h"
-#include "worker/mesh_cache.h"
-#include "worker/task_runner.h"
+#include "worker/tasks/mesh_cache.h"
+#include "worker/tasks/task_runner.h"
 
 namespace cohort {
 namespace {

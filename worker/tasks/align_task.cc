@@ -1,4 +1,4 @@
-#include "worker/align_task.h"
+#include "worker/tasks/align_task.h"
 
 #include <string>
 #include <utility>

@@ -1,15 +1,15 @@
-#include "worker/task_runner.h"
+#include "worker/tasks/task_runner.h"
 
 #include <chrono>
 #include <exception>
 #include <new>
 #include <string>
 
-#include "worker/align_task.h"
-#include "worker/compare_task.h"
-#include "worker/ingest_task.h"
-#include "worker/task_context.h"
-#include "worker/variation_task.h"
+#include "worker/tasks/align_task.h"
+#include "worker/tasks/compare_task.h"
+#include "worker/tasks/ingest_task.h"
+#include "worker/tasks/task_context.h"
+#include "worker/tasks/variation_task.h"
 
 namespace cohort {
 namespace {

@@ -10,7 +10,7 @@
 #include "common/geometry/registration/scaling_icp.h"
 #include "common/jobs/task.h"
 #include "common/store/blob_store.h"
-#include "worker/mesh_cache.h"
+#include "worker/tasks/mesh_cache.h"
 
 namespace cohort {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "worker/task_context.h"
+#include "worker/tasks/task_context.h"
 
 namespace cohort {
 

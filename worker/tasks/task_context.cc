@@ -1,4 +1,4 @@
-#include "worker/task_context.h"
+#include "worker/tasks/task_context.h"
 
 #include <string>
 

@@ -6,7 +6,7 @@
 
 #include "common/jobs/task.h"
 #include "common/store/blob_store.h"
-#include "worker/mesh_cache.h"
+#include "worker/tasks/mesh_cache.h"
 
 namespace cohort {
 

@@ -1,4 +1,4 @@
-#include "worker/ingest_task.h"
+#include "worker/tasks/ingest_task.h"
 
 #include <string>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "worker/compare_task.h"
+#include "worker/tasks/compare_task.h"
 
 #include <limits>
 #include <memory>

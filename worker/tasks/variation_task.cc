@@ -1,4 +1,4 @@
-#include "worker/variation_task.h"
+#include "worker/tasks/variation_task.h"
 
 #include <string>
 #include <utility>
