@@ -38,14 +38,14 @@ WorkerLoop::~WorkerLoop() {
   Drain();
 }
 
-absl::Status WorkerLoop::Run(std::stop_token stop) {
+absl::Status WorkerLoop::Run(const std::stop_token& stop) {
   const std::stop_callback wake(stop, [this] {
     link_.CancelSynchronize();
     slot_freed_.NotifyAll();
   });
   double retry_seconds = kFirstRetrySeconds;
   while (!stop.stop_requested()) {
-    const absl::Status status = SynchronizeOnce(stop);
+    absl::Status status = SynchronizeOnce(stop);
     double pause_seconds = next_sync_seconds_;
     if (stop.stop_requested()) {
       break;
@@ -72,7 +72,7 @@ absl::Status WorkerLoop::Run(std::stop_token stop) {
   return absl::OkStatus();
 }
 
-absl::Status WorkerLoop::SynchronizeOnce(std::stop_token stop) {
+absl::Status WorkerLoop::SynchronizeOnce(const std::stop_token& stop) {
   WorkerReport report;
   report.worker = options_.worker;
   report.build = options_.build;
@@ -117,7 +117,7 @@ void WorkerLoop::Start(const GrantedTask& granted) {
       std::thread([this, granted, stop = running.stop.get_token()] { RunSlot(granted, stop); });
 }
 
-void WorkerLoop::RunSlot(const GrantedTask& granted, std::stop_token stop) {
+void WorkerLoop::RunSlot(const GrantedTask& granted, const std::stop_token& stop) {
   const absl::StatusOr<TaskResult> result = runner_.Run(granted.task, stop);
   Report(granted.lease, result, stop);
   MutexLock lock(mutex_);
@@ -127,7 +127,7 @@ void WorkerLoop::RunSlot(const GrantedTask& granted, std::stop_token stop) {
 
 void WorkerLoop::Report(const Lease& lease,
                         const absl::StatusOr<TaskResult>& result,
-                        std::stop_token stop) {
+                        const std::stop_token& stop) {
   double retry_seconds = kFirstRetrySeconds;
   while (true) {
     absl::Status said;

@@ -34,7 +34,7 @@ class WorkerLoop {
   /// Works until `stop`, then drains: no new tasks; those under way get drain_seconds, what is not
   /// done by then is given back.
   /// @return kFailedPrecondition if the server refuses this build.
-  [[nodiscard]] absl::Status Run(std::stop_token stop);
+  [[nodiscard]] absl::Status Run(const std::stop_token& stop);
 
  private:
   struct Running {
@@ -43,10 +43,12 @@ class WorkerLoop {
     bool finished = false;
   };
 
-  absl::Status SynchronizeOnce(std::stop_token stop);
+  absl::Status SynchronizeOnce(const std::stop_token& stop);
   void Start(const GrantedTask& granted) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void RunSlot(const GrantedTask& granted, std::stop_token stop);
-  void Report(const Lease& lease, const absl::StatusOr<TaskResult>& result, std::stop_token stop);
+  void RunSlot(const GrantedTask& granted, const std::stop_token& stop);
+  void Report(const Lease& lease,
+              const absl::StatusOr<TaskResult>& result,
+              const std::stop_token& stop);
   /// Joins threads whose task is over.
   void Reap() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Drain();

@@ -105,6 +105,7 @@ class Coordinator {
               const Clock& clock);
 
   absl::Status Recover();
+  absl::Status RecoverJob(const Job& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Schedules what the plan has made ready; ends the job if nothing is left.
   absl::Status Advance(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Ingest of files that are known already needs no worker.

@@ -20,6 +20,26 @@ bool IsRetryable(absl::StatusCode code) {
          code != absl::StatusCode::kFailedPrecondition;
 }
 
+/// Feeds finished tasks back into a fresh plan, in number order: a task has a higher number than
+/// those it needs. The others become the open tasks.
+/// @return as JobPlan::TaskFinished.
+absl::Status Replay(const std::map<int64_t, TaskRecord>& records, ActiveJob& active) {
+  std::vector<Task> ready = active.plan->TakeReadyTasks();
+  while (!ready.empty()) {
+    for (Task& task : ready) {
+      const auto record = records.find(task.number);
+      if (record == records.end() || !record->second.result) {
+        active.open_tasks.emplace(task.number, std::move(task));
+        continue;
+      }
+      active.done_tasks.insert(task.number);
+      COHORT_RETURN_IF_ERROR(active.plan->TaskFinished(task.number, *record->second.result));
+    }
+    ready = active.plan->TakeReadyTasks();
+  }
+  return absl::OkStatus();
+}
+
 TaskRecord RecordOf(int64_t number, const TaskAttempts& attempts) {
   TaskRecord record;
   record.number = number;
@@ -35,60 +55,44 @@ absl::Status Coordinator::Recover() {
   COHORT_ASSIGN_OR_RETURN(const std::vector<Job> jobs, catalog_.UnfinishedJobs());
   MutexLock lock(mutex_);
   for (const Job& job : jobs) {
-    COHORT_ASSIGN_OR_RETURN(const std::vector<JobMesh> job_meshes, catalog_.GetJobMeshes(job.id));
-    std::vector<SetMesh> meshes;
-    meshes.reserve(job_meshes.size());
-    for (const JobMesh& mesh : job_meshes) {
-      meshes.push_back(mesh.mesh);
-    }
-    ActiveJob& active = active_[job.id];
-    active.job = job;
-    COHORT_ASSIGN_OR_RETURN(active.plan, JobPlan::Create(job.spec, meshes, {}));
-    COHORT_ASSIGN_OR_RETURN(const std::vector<TaskRecord> records, catalog_.LoadTasks(job.id));
-    std::map<int64_t, const TaskRecord*> by_number;
-    for (const TaskRecord& record : records) {
-      by_number[record.number] = &record;
-    }
-    // Finished tasks are fed back in number order: a task has a higher number than those it needs.
-    absl::Status verdict = absl::OkStatus();
-    std::vector<Task> ready = active.plan->TakeReadyTasks();
-    while (!ready.empty() && verdict.ok()) {
-      for (Task& task : ready) {
-        const auto record = by_number.find(task.number);
-        if (record != by_number.end() && record->second->result.has_value() && verdict.ok()) {
-          verdict = active.plan->TaskFinished(task.number, *record->second->result);
-          active.done_tasks.insert(task.number);
-        } else {
-          active.open_tasks.emplace(task.number, std::move(task));
-        }
-      }
-      ready = active.plan->TakeReadyTasks();
-    }
-    if (!verdict.ok()) {
-      COHORT_RETURN_IF_ERROR(EndJob(active, JobState::kFailed, std::string(verdict.message())));
-      continue;
-    }
-    for (const auto& [number, task] : active.open_tasks) {
-      const TaskId id{.job = job.id, .number = number};
-      const auto found = by_number.find(number);
-      if (found == by_number.end()) {
-        scheduler_.AddTask(id);
-        continue;
-      }
-      const TaskRecord& record = *found->second;
-      const TaskAttempts attempts{
-          .epoch = record.epoch, .failures = record.failures, .losses = record.losses};
-      if (record.worker.empty()) {
-        scheduler_.AddTask(id, attempts);
-      } else {
-        scheduler_.RestoreLease(id, attempts, WorkerId{record.worker}, clock_.Now());
-      }
-    }
-    Touch(active);
-    COHORT_RETURN_IF_ERROR(Advance(active));
+    COHORT_RETURN_IF_ERROR(RecoverJob(job));
   }
   TakeChanges();  // Nobody listens yet.
   return absl::OkStatus();
+}
+
+absl::Status Coordinator::RecoverJob(const Job& job) {
+  COHORT_ASSIGN_OR_RETURN(const std::vector<JobMesh> job_meshes, catalog_.GetJobMeshes(job.id));
+  std::vector<SetMesh> meshes;
+  meshes.reserve(job_meshes.size());
+  for (const JobMesh& mesh : job_meshes) {
+    meshes.push_back(mesh.mesh);
+  }
+  COHORT_ASSIGN_OR_RETURN(const std::vector<TaskRecord> records, catalog_.LoadTasks(job.id));
+  std::map<int64_t, TaskRecord> by_number;
+  for (const TaskRecord& record : records) {
+    by_number[record.number] = record;
+  }
+  ActiveJob& active = active_[job.id];
+  active.job = job;
+  COHORT_ASSIGN_OR_RETURN(active.plan, JobPlan::Create(job.spec, meshes, {}));
+  const absl::Status verdict = Replay(by_number, active);
+  if (!verdict.ok()) {
+    return EndJob(active, JobState::kFailed, std::string(verdict.message()));
+  }
+  for (const auto& [number, task] : active.open_tasks) {
+    const TaskId id{.job = job.id, .number = number};
+    const TaskRecord& record = by_number[number];  // Empty if the task was never granted.
+    const TaskAttempts attempts{
+        .epoch = record.epoch, .failures = record.failures, .losses = record.losses};
+    if (record.worker.empty()) {
+      scheduler_.AddTask(id, attempts);
+    } else {
+      scheduler_.RestoreLease(id, attempts, WorkerId{record.worker}, clock_.Now());
+    }
+  }
+  Touch(active);
+  return Advance(active);
 }
 
 absl::Status Coordinator::Advance(ActiveJob& active) {

@@ -44,10 +44,10 @@ class PatchMesher {
   [[nodiscard]] TriangleMesh Run(int64_t vertex_count);
 
  private:
-  PatchVertex MakeVertex(const Eigen::Vector2d& uv, double t) const {
+  [[nodiscard]] PatchVertex MakeVertex(const Eigen::Vector2d& uv, double t) const {
     return {uv, patch_.point(uv), patch_.edge_length(uv), t};
   }
-  const PatchVertex& At(int32_t v) const { return vertices_[static_cast<size_t>(v)]; }
+  [[nodiscard]] const PatchVertex& At(int32_t v) const { return vertices_[static_cast<size_t>(v)]; }
 
   void PlaceFan();
   void Refine(int64_t vertex_count);
@@ -60,17 +60,17 @@ class PatchMesher {
   /// Flips what is better flipped at the faces on the stack and at those that flips change.
   void FlipFrom(std::vector<int32_t>& stack);
   void FlipAll();
-  bool ShouldFlip(int32_t face, int k) const;
+  [[nodiscard]] bool ShouldFlip(int32_t face, int k) const;
   /// Slides every vertex towards the middle of its neighbours.
   void Smooth();
-  PatchVertex EvenedOut(int32_t v) const;
+  [[nodiscard]] PatchVertex EvenedOut(int32_t v) const;
   /// Tries small random moves of the corners of triangles with a small angle.
   void Repair();
   /// Moves v unless that makes the smallest angle around it smaller and less than `enough` (sine).
   bool TryMove(int32_t v, const PatchVertex& moved, double enough);
   /// Whether a triangle of the parameter domain has too little area, or a negative one.
   static bool IsThin(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c);
-  TriangleMesh ToMesh() const;
+  [[nodiscard]] TriangleMesh ToMesh() const;
 
   static constexpr int32_t kRim = 18;  // vertices of the first fan
 
