@@ -22,8 +22,8 @@ inline constexpr double kUnaryDeadlineSeconds = 30;
 /// Channel with keepalive and message limits; connects when first used.
 [[nodiscard]] std::shared_ptr<grpc::Channel> OpenChannel(const std::string& normalized_address);
 
-/// Keeps gRPC's global state until the process ends. Otherwise the last channel or server to go tears
-/// it down and waits for its poller, up to 10 s in 1.51.
+/// Keeps gRPC's global state until the process ends. Otherwise the last channel or server to go
+/// tears it down and waits for its poller, up to 10 s in 1.51.
 void KeepGrpcRunning();
 
 /// Every call has a deadline.
