@@ -35,7 +35,7 @@ TEST(ParseLabels, TakesSemicolonsAndAMissingLastLineEnd) {
 }
 
 TEST(ParseLabels, NamesFileLineAndReason) {
-  const auto kBad = absl::StatusCode::kInvalidArgument;
+  constexpr auto kBad = absl::StatusCode::kInvalidArgument;
   EXPECT_THAT(ParseLabels("", "l.csv"), StatusIs(kBad, "l.csv: is empty"));
   EXPECT_THAT(ParseLabels("file,person\na,\xE9\n", "l.csv"), StatusIs(kBad, "not UTF-8"));
   EXPECT_THAT(ParseLabels("name,person\n", "l.csv"), StatusIs(kBad, "l.csv: line 1: no column"));
