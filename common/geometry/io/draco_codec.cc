@@ -109,15 +109,32 @@ bool GetVarint(ByteReader& reader, uint64_t& value) {
   return (byte & 0x80U) == 0;
 }
 
+/// A cloud has its count twice, and the tree of positions in it goes on for as long as the second
+/// one says: both must agree. Before that one lie the attributes, of which ours has one.
+bool GetCloudPoints(ByteReader& reader, uint8_t method, uint64_t& points) {
+  constexpr std::array<uint8_t, 7> kOurAttribute = {
+      1, 1, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, 0, 0};
+  uint32_t count = 0;
+  bool found = reader.Get(count);
+  points = count;
+  if (method == draco::POINT_CLOUD_KD_TREE_ENCODING) {
+    std::array<uint8_t, kOurAttribute.size()> attribute = {};
+    uint8_t level = 0;
+    uint32_t bits = 0;
+    uint32_t tree_count = 0;
+    found = found && reader.GetArray(std::span<uint8_t>(attribute)) && reader.Get(level) &&
+            reader.Get(bits) && reader.Get(tree_count) && attribute == kOurAttribute &&
+            tree_count == count;
+  }
+  return found;
+}
+
 /// Reads the counts that a Draco 2.2 stream announces.
 bool GetCounts(
     ByteReader& reader, bool is_mesh, uint8_t method, uint64_t& points, uint64_t& faces) {
   faces = 0;
   if (!is_mesh) {
-    uint32_t cloud_points = 0;
-    const bool found = reader.Get(cloud_points);
-    points = cloud_points;
-    return found;
+    return GetCloudPoints(reader, method, points);
   }
   if (method == draco::MESH_SEQUENTIAL_ENCODING) {
     return GetVarint(reader, faces) && GetVarint(reader, points);
@@ -147,7 +164,7 @@ absl::Status CheckHeader(std::string_view bytes, int64_t max_vertices) {
   uint64_t points = 0;
   uint64_t faces = 0;
   if (!GetCounts(reader, geometry == draco::TRIANGULAR_MESH, method, points, faces)) {
-    return Damaged("the counts are cut off");
+    return Damaged("the counts are cut off or contradict each other");
   }
   const auto limit = static_cast<uint64_t>(max_vertices);
   if (points > limit || faces > kMostFacesPerVertex * limit) {

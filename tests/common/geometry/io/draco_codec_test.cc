@@ -225,6 +225,17 @@ TEST(DecodeDraco, RefusesCountsThatNobodyCanHold) {
   EXPECT_THAT(DecodeDraco(bytes), StatusIs(absl::StatusCode::kDataLoss, "4294967295 vertices"));
 }
 
+// Found by draco_fuzz: Draco walked on for 3,000 million points of 36.
+TEST(DecodeDraco, RefusesACloudWhoseTreeAnnouncesMorePoints) {
+  TriangleMesh cloud = WavySheet(6);
+  cloud.faces.resize(3, 0);
+  std::string bytes = *EncodeDraco(cloud);
+  constexpr size_t kTreeCount = 27;
+  ASSERT_EQ(bytes.substr(kTreeCount, 4), std::string("\x24\0\0\0", 4));
+  bytes.replace(kTreeCount, 4, "\xFF\xFF\xFF\xB4");
+  EXPECT_THAT(DecodeDraco(bytes), StatusIs(absl::StatusCode::kDataLoss, "contradict each other"));
+}
+
 /// Damage of good bytes may decode or not, but what decodes keeps the promises of a mesh.
 void DamageAndDecode(const TriangleMesh& mesh) {
   const std::string good = *EncodeDraco(mesh);
