@@ -20,8 +20,6 @@
 namespace cohort {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using testing::IsOk;
 using ::testing::StartsWith;
 using testing::StatusIs;
