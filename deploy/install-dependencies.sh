@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs, on Debian 12, the packages that Cohort is built from; with --tests also what its tests
-# and gates need. Does nothing when everything is there already, so every other script calls it.
-#   usage: deploy/install-dependencies.sh [--tests]
+# and gates need, with --bench what its benchmarks and their rivals need. Does nothing when
+# everything is there already, so every other script calls it.
+#   usage: deploy/install-dependencies.sh [--tests | --bench]
 set -euo pipefail
 
 # libgrpc++-dev alone can neither compile a .proto nor be found by CMake: the compiler, its gRPC
@@ -10,15 +11,19 @@ set -euo pipefail
 build_packages=(
   g++ cmake ninja-build ccache pkg-config
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc libabsl-dev
-  libeigen3-dev libnanoflann-dev libdraco-dev
+  libeigen3-dev libnanoflann-dev libdraco-dev libzstd-dev
   libsqlite3-dev libsoci-dev
-  libssl-dev libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev
+  libssl-dev libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libpugixml-dev
   libcairo2-dev fonts-dejavu-core
 )
 test_packages=(
   libgtest-dev libgmock-dev
   clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev
   python3 python3-numpy shellcheck git ca-certificates procps iproute2
+)
+# The rivals in tests/bench; some 250 MB to download. small_gicp and libigl are not in Debian 12.
+bench_packages=(
+  libbenchmark-dev libcgal-dev libembree-dev libopen3d-dev libpcl-dev libvtk9-dev
 )
 
 usage() { sed -n 's/^#   usage: /usage: /p' "$0"; }
@@ -39,6 +44,7 @@ case "${1:-}" in
     # Debian's npm cannot be installed beside it.
     command -v npm >/dev/null || packages+=(nodejs npm)
     ;;
+  --bench) packages+=("${bench_packages[@]}") ;;
   -h | --help)
     usage
     exit 0

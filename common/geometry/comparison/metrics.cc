@@ -4,7 +4,12 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
+
+#include "common/geometry/comparison/field_totals.h"
+#include "common/geometry/comparison/measure_distances.h"
+#include "common/geometry/comparison/order_statistic.h"
 
 namespace cohort {
 namespace {
@@ -23,73 +28,61 @@ constexpr std::array<MetricNames, kMetricCount> kNames = {{
     {"p75", "75th percentile of distances"},
 }};
 
-template <typename T>
-double Rms(std::span<const T> values) {
+/// The lanes of ComputeMetrics: the same sums for values in double, of any exponent.
+constexpr size_t kLanes = 16;
+
+template <typename Value>
+double LaneSum(std::span<const double> values, Value value_of) {
+  std::array<double, kLanes> lanes{};
+  for (size_t i = 0; i < values.size(); ++i) {
+    lanes.at(i % kLanes) += value_of(values[i]);
+  }
   double sum = 0;
-  for (const T value : values) {
-    sum += double{value} * double{value};
+  for (const double lane : lanes) {
+    sum += lane;
   }
-  return std::sqrt(sum / static_cast<double>(values.size()));
+  return sum;
 }
 
-template <typename T>
-double Mean(std::span<const T> values) {
-  double sum = 0;
-  for (const T value : values) {
-    sum += double{value};
+double LogMean(std::span<const double> values) {
+  std::array<double, kLanes> mantissas{};
+  std::array<int64_t, kLanes> exponents{};
+  mantissas.fill(1);
+  for (size_t i = 0; i < values.size(); ++i) {
+    // Scaled first, so that the product neither overflows nor loses bits.
+    int value_exponent = 0;
+    int product_exponent = 0;
+    const double value_mantissa = std::frexp(values[i], &value_exponent);
+    double& mantissa = mantissas.at(i % kLanes);
+    mantissa = 2 * std::frexp(mantissa * value_mantissa, &product_exponent);
+    exponents.at(i % kLanes) += value_exponent + product_exponent - 1;
   }
-  return sum / static_cast<double>(values.size());
+  return LogMeanOfProduct(mantissas, exponents, static_cast<int64_t>(values.size()));
 }
 
-/// The logarithm of zero is -infinity and carries through the sum, so that one zero gives 0.
-template <typename T>
-double GeometricMean(std::span<const T> values) {
-  double sum = 0;
-  for (const T value : values) {
-    sum += std::log(double{value});
-  }
-  return std::exp(sum / static_cast<double>(values.size()));
+FieldTotals Total(std::span<const double> values) {
+  FieldTotals totals;
+  totals.count = static_cast<int64_t>(values.size());
+  totals.sum = LaneSum(values, [](double value) { return value; });
+  totals.sum_absolute = totals.sum;
+  totals.sum_squares = LaneSum(values, [](double value) { return value * value; });
+  const double mean = totals.sum / static_cast<double>(totals.count);
+  totals.squared_deviations =
+      LaneSum(values, [mean](double value) { return (value - mean) * (value - mean); });
+  const auto [min, max] = std::minmax_element(values.begin(), values.end());
+  totals.min = *min;
+  totals.max = *max;
+  totals.min_absolute = *min;
+  totals.log_mean = *min == 0 ? -std::numeric_limits<double>::infinity() : LogMean(values);
+  return totals;
 }
 
-template <typename T>
-double Variance(std::span<const T> values) {
-  const double mean = Mean(values);
-  double sum = 0;
-  for (const T value : values) {
-    sum += (double{value} - mean) * (double{value} - mean);
-  }
-  return sum / static_cast<double>(values.size());
-}
-
-template <typename T>
-double Percentile75(std::span<const T> values) {
-  std::vector<T> partly_sorted(values.begin(), values.end());
-  const auto rank = static_cast<std::ptrdiff_t>(0.75 * static_cast<double>(values.size()) - 0.5);
-  std::nth_element(partly_sorted.begin(), partly_sorted.begin() + rank, partly_sorted.end());
-  return double{partly_sorted[static_cast<size_t>(rank)]};
-}
-
-template <typename T>
-double ComputeOne(Metric metric, std::span<const T> values) {
-  assert(!values.empty());
-  switch (metric) {
-    case Metric::kRms:
-      return Rms(values);
-    case Metric::kMean:
-      return Mean(values);
-    case Metric::kGeometricMean:
-      return GeometricMean(values);
-    case Metric::kMin:
-      return double{*std::min_element(values.begin(), values.end())};
-    case Metric::kMax:
-      return double{*std::max_element(values.begin(), values.end())};
-    case Metric::kVariance:
-      return Variance(values);
-    case Metric::kPercentile75:
-      return Percentile75(values);
-  }
-  assert(false);
-  return 0;
+double Percentile75(std::span<const double> values) {
+  std::vector<double> partly_sorted(values.begin(), values.end());
+  const auto nth =
+      partly_sorted.begin() + PercentileRank(static_cast<int64_t>(partly_sorted.size()), 0.75);
+  std::nth_element(partly_sorted.begin(), nth, partly_sorted.end());
+  return *nth;
 }
 
 }  // namespace
@@ -112,18 +105,16 @@ std::optional<Metric> MetricFromName(std::string_view name) {
 }
 
 MetricValues ComputeMetrics(std::span<const float> squared_distances) {
-  std::vector<float> distances(squared_distances.size());
-  std::transform(squared_distances.begin(), squared_distances.end(), distances.begin(),
-                 [](float squared) { return std::sqrt(squared); });
-  MetricValues values{};
-  for (const Metric metric : kAllMetrics) {
-    values.at(static_cast<size_t>(metric)) = ComputeOne<float>(metric, distances);
-  }
-  return values;
+  DistanceScratch scratch;
+  return MeasureSquaredDistances(squared_distances, scratch).metrics;
 }
 
 double ComputeMetric(Metric metric, std::span<const double> values) {
-  return ComputeOne<double>(metric, values);
+  assert(!values.empty());
+  if (metric == Metric::kPercentile75) {
+    return Percentile75(values);
+  }
+  return MetricsOfTotals(Total(values)).at(static_cast<size_t>(metric));
 }
 
 }  // namespace cohort

@@ -24,6 +24,10 @@ inline constexpr std::array<Metric, kMetricCount> kAllMetrics = {
     Metric::kRms, Metric::kMean,     Metric::kGeometricMean, Metric::kMin,
     Metric::kMax, Metric::kVariance, Metric::kPercentile75};
 
+/// Whether the side of the target on which a vertex lies counts: signed distances are positive in
+/// front of it (see SignedDistances).
+enum class DistanceSign : uint8_t { kAbsolute, kSigned };
+
 /// "rms", "mean", "geometric-mean", "min", "max", "variance", "p75": command line and files.
 [[nodiscard]] std::string_view MetricName(Metric metric);
 /// "RMS distance", ...: titles of plots, without the unit.
@@ -34,12 +38,16 @@ inline constexpr std::array<Metric, kMetricCount> kAllMetrics = {
 /// All metrics of one field, indexed by Metric.
 using MetricValues = std::array<double, kMetricCount>;
 
-/// Metrics of a field of squared float32 distances (n >= 1): distances are the float32 roots, sums
-/// run in double in index order.
+/// Metrics of a field of squared float32 distances (n >= 1, finite, >= 0): distances are the
+/// float32 roots. Sums run in double, in 16 lanes (lane l takes the values i with i mod 16 = l, in
+/// index order) that are added in order at the end; the same bits on every instruction set. Always
+/// min <= geometric mean <= mean <= RMS <= max.
+/// MeasureSquaredDistances (measure_distances.h) does the same with reused memory and a sketch.
 /// Source: definitions of the predecessor (reference c7), geometric mean through logarithms.
 [[nodiscard]] MetricValues ComputeMetrics(std::span<const float> squared_distances);
 
-/// One metric of any non-negative values (n >= 1), as ComputeMetrics computes it from distances.
+/// One metric of any non-negative values (n >= 1), as ComputeMetrics computes it from distances:
+/// for distances in float32, the same bits.
 [[nodiscard]] double ComputeMetric(Metric metric, std::span<const double> values);
 
 }  // namespace cohort

@@ -59,11 +59,11 @@ class TextSource : public PlySource {
     return absl::OkStatus();
   }
 
-  int64_t MostValues(PlyType /*type*/) const override {
+  [[nodiscard]] int64_t MostValues(PlyType /*type*/) const override {
     return static_cast<int64_t>(row_.size() + 1) / 2;
   }
 
-  int64_t MostRows(const PlyElement& element) const override {
+  [[nodiscard]] int64_t MostRows(const PlyElement& element) const override {
     const auto shortest_row = static_cast<int64_t>(2 * element.properties.size());
     return static_cast<int64_t>(lines_.Remaining() + 1) / std::max<int64_t>(shortest_row, 1);
   }
@@ -144,11 +144,11 @@ class BinarySource : public PlySource {
     return absl::OkStatus();
   }
 
-  int64_t MostValues(PlyType type) const override {
+  [[nodiscard]] int64_t MostValues(PlyType type) const override {
     return static_cast<int64_t>((bytes_.size() - offset_) / SizeOf(type));
   }
 
-  int64_t MostRows(const PlyElement& element) const override {
+  [[nodiscard]] int64_t MostRows(const PlyElement& element) const override {
     size_t shortest_row = 0;
     for (const PlyProperty& property : element.properties) {
       shortest_row += SizeOf(property.length_type.value_or(property.type));

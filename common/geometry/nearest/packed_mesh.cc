@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -231,6 +232,21 @@ Eigen::Vector3f PackedMesh::PointOfSlot(int slot) const {
   const float* points = &points_[static_cast<size_t>(slot / kLanes) * kLeafFloats];
   const int lane = slot % kLanes;
   return {points[lane], points[kLanes + lane], points[2 * kLanes + lane]};
+}
+
+double PackedMesh::Diagonal() const {
+  double squared = 0;
+  for (size_t side = 0; side < 3; ++side) {
+    float low = kInfinity;
+    float high = -kInfinity;
+    for (size_t leaf = 0; leaf < static_cast<size_t>(leaf_count_); ++leaf) {
+      low = std::min(low, boxes_[leaf * kBoxFloats + side]);
+      high = std::max(high, boxes_[leaf * kBoxFloats + 3 + side]);
+    }
+    const double extent = double{high} - double{low};
+    squared += extent * extent;
+  }
+  return std::sqrt(squared);
 }
 
 int64_t PackedMesh::ByteCount() const {

@@ -48,6 +48,8 @@ class PackedMesh {
   [[nodiscard]] std::span<const int32_t> VertexOfSlot() const { return vertices_; }
   [[nodiscard]] Eigen::Vector3f PointOfSlot(int slot) const;
   [[nodiscard]] const View& Addresses() const { return view_; }
+  /// Of the bounding box.
+  [[nodiscard]] double Diagonal() const;
   /// Memory held.
   [[nodiscard]] int64_t ByteCount() const;
 

@@ -44,6 +44,11 @@ struct PortableSimd {
     return {{a.part[0] - b.part[0], a.part[1] - b.part[1], a.part[2] - b.part[2],
              a.part[3] - b.part[3]}};
   }
+  static F Mul(F a, F b) {
+    return {{a.part[0] * b.part[0], a.part[1] * b.part[1], a.part[2] * b.part[2],
+             a.part[3] * b.part[3]}};
+  }
+  static F MulAdd(F a, F b, F c) { return Add(Mul(a, b), c); }
   static F4 Min4(F4 a, F4 b) {
 #if defined(__SSE2__)
     return _mm_min_ps(a, b);
@@ -95,6 +100,10 @@ struct PortableSimd {
     const float high = m[2] > m[3] ? m[2] : m[3];
     return low > high ? low : high;
   }
+  static M Less(F a, F b) {
+    return {{a.part[0] < b.part[0], a.part[1] < b.part[1], a.part[2] < b.part[2],
+             a.part[3] < b.part[3]}};
+  }
   static M LessEqual(F a, F b) {
     return {{a.part[0] <= b.part[0], a.part[1] <= b.part[1], a.part[2] <= b.part[2],
              a.part[3] <= b.part[3]}};
@@ -110,9 +119,27 @@ struct PortableSimd {
     }
     return result;
   }
+  static I SetI(int32_t value) {
+    const I4 all = {value, value, value, value};
+    return {{all, all, all, all}};
+  }
   static I LoadI(const int32_t* from) {
     I result;
     std::memcpy(&result, from, sizeof(result));
+    return result;
+  }
+  static void StoreI(int32_t* to, I value) {
+    std::memcpy(to, &value, sizeof(value));
+  }
+  static M Differ(I a, I b) {
+    return {{a.part[0] != b.part[0], a.part[1] != b.part[1], a.part[2] != b.part[2],
+             a.part[3] != b.part[3]}};
+  }
+  static I SelectI(M mask, I yes, I no) {
+    I result;
+    for (int i = 0; i < 4; ++i) {
+      result.part[i] = (mask.part[i] & yes.part[i]) | (~mask.part[i] & no.part[i]);
+    }
     return result;
   }
   static F GatherPoints(const float* points, I slots, int side) {
@@ -125,6 +152,10 @@ struct PortableSimd {
     return Load(values);
   }
 
+  static M And(M a, M b) {
+    return {{a.part[0] & b.part[0], a.part[1] & b.part[1], a.part[2] & b.part[2],
+             a.part[3] & b.part[3]}};
+  }
   static bool Any(M mask) {
     return Bits(mask) != 0;
   }

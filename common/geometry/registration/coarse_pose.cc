@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "common/base/status_macros.h"
+#include "common/geometry/mesh/bounds.h"
 #include "common/geometry/nearest/nearest_vertex.h"
 #include "common/geometry/registration/paired_sums.h"
 #include "common/geometry/registration/surface_sample.h"
@@ -155,6 +156,17 @@ std::vector<Eigen::Matrix3d> OctahedralRotations() {
   return rotations;
 }
 
+/// Whether an even number of swaps sorts it.
+bool IsEven(const std::array<int, 4>& order) {
+  int inversions = 0;
+  for (size_t i = 0; i < order.size(); ++i) {
+    for (size_t j = i + 1; j < order.size(); ++j) {
+      inversions += order.at(i) > order.at(j) ? 1 : 0;
+    }
+  }
+  return inversions % 2 == 0;
+}
+
 /// The 48 rotations of the icosahedron that are not among the 24 of the axes: even permutations of
 /// (phi, 1, 1 / phi, 0) / 2 with any signs, as quaternions (Conway, Smith 2003), q and -q once.
 std::vector<Eigen::Matrix3d> IcosahedralRotations() {
@@ -163,13 +175,7 @@ std::vector<Eigen::Matrix3d> IcosahedralRotations() {
   std::vector<Eigen::Matrix3d> rotations;
   std::array<int, 4> order = {0, 1, 2, 3};
   do {
-    int inversions = 0;
-    for (size_t i = 0; i < 4; ++i) {
-      for (size_t j = i + 1; j < 4; ++j) {
-        inversions += order.at(i) > order.at(j) ? 1 : 0;
-      }
-    }
-    if (inversions % 2 != 0) {
+    if (!IsEven(order)) {
       continue;
     }
     for (unsigned signs = 0; signs < 4; ++signs) {  // the largest part stays positive
@@ -232,21 +238,20 @@ std::vector<Candidate> BestOf(std::vector<Candidate> candidates, size_t count) {
 
 }  // namespace
 
-absl::StatusOr<CoarsePose> FindCoarsePose(const TriangleMesh& source,
-                                          const TriangleMesh& target_mesh,
-                                          const IcpTarget& target) {
+absl::StatusOr<CoarsePose> FindCoarsePose(const TriangleMesh& source, const TriangleMesh& target) {
+  const Eigen::Vector3d target_center = CentroidOf(target.vertices);
   const PrincipalFrame source_frame = PrincipalFrameOf(source);
-  const PrincipalFrame target_frame = PrincipalFrameOf(target_mesh);
+  const PrincipalFrame target_frame = PrincipalFrameOf(target);
   for (const PrincipalFrame* frame : {&source_frame, &target_frame}) {
     if (!(frame->deviations(2) > 1e-12 * frame->centroid.norm())) {
       return absl::FailedPreconditionError("coarse pose: a mesh has no extent");
     }
   }
-  std::vector<Candidate> candidates = FirstCandidates(source_frame, target_frame, target.Center());
+  std::vector<Candidate> candidates = FirstCandidates(source_frame, target_frame, target_center);
   CoarsePose pose;
   for (const Round& round : kRounds) {
     PoseRefiner refiner(SampleSurface(source, round.points).colwise() - source_frame.centroid,
-                        SampleSurface(target_mesh, round.points).colwise() - target.Center());
+                        SampleSurface(target, round.points).colwise() - target_center);
     for (Candidate& candidate : candidates) {
       COHORT_RETURN_IF_ERROR(refiner.Refine(round.passes, candidate));
     }
@@ -256,8 +261,7 @@ absl::StatusOr<CoarsePose> FindCoarsePose(const TriangleMesh& source,
   const Candidate& winner = candidates.front();
   pose.score = winner.score;
   pose.T_target_source = winner.T;
-  pose.T_target_source.translation =
-      winner.T.ApplyToPoint(-source_frame.centroid) + target.Center();
+  pose.T_target_source.translation = winner.T.ApplyToPoint(-source_frame.centroid) + target_center;
   return pose;
 }
 

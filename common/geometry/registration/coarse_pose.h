@@ -5,7 +5,6 @@
 #include <absl/status/statusor.h>
 
 #include "common/geometry/mesh/triangle_mesh.h"
-#include "common/geometry/registration/scaling_icp.h"
 #include "common/geometry/registration/similarity.h"
 
 namespace cohort {
@@ -16,7 +15,7 @@ struct CoarsePose {
   /// RMS of the winner on the sampled points of both meshes, without the farthest 15 %, target
   /// units.
   double score = 0;
-  int64_t lookups = 0;  ///< Among sampled points; none of them searches `target`.
+  int64_t lookups = 0;  ///< Among sampled points only.
 };
 
 /// Rigid start for ICP between meshes in any pose.
@@ -28,11 +27,9 @@ struct CoarsePose {
 /// wins, the earlier candidate on a tie. The given pose must be 5 % better than the others, so that
 /// the result does not depend on it unless the shape cannot tell. The cost does not depend on the
 /// sizes: some 150000 look-ups among 100 to 600 points. Deterministic.
-/// @param target_mesh  the mesh behind `target`.
 /// @return kFailedPrecondition if either has no extent.
 /// Source: ours.
 [[nodiscard]] absl::StatusOr<CoarsePose> FindCoarsePose(const TriangleMesh& source,
-                                                        const TriangleMesh& target_mesh,
-                                                        const IcpTarget& target);
+                                                        const TriangleMesh& target);
 
 }  // namespace cohort

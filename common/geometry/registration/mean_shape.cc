@@ -2,29 +2,26 @@
 
 #include <cassert>
 #include <cstddef>
-#include <memory>
-#include <vector>
-
-#include "common/geometry/mesh/bounds.h"
-#include "common/geometry/nearest/nearest_vertex.h"
 
 namespace cohort {
 
 Eigen::Matrix3Xd DisplacementToMesh(const Eigen::Ref<const Eigen::Matrix3Xd>& reference,
+                                    const IcpMesh& packed_reference,
                                     const Eigen::Ref<const Eigen::Matrix3Xd>& source,
-                                    const Similarity& T_reference_source) {
-  const Eigen::Vector3d center = CentroidOf(reference);
-  const Eigen::Matrix3Xd aligned = T_reference_source.Apply(source);
-  const std::unique_ptr<const NearestVertex> index =
-      NearestVertex::Build((aligned.colwise() - center).cast<float>());
-  const Eigen::Matrix3Xf queries = (reference.colwise() - center).cast<float>();
-  std::vector<int32_t> nearest(static_cast<size_t>(reference.cols()));
-  std::vector<float> squared_distances(nearest.size());
-  index->Find(queries, nearest, squared_distances);
-
+                                    const IcpMesh& packed_source,
+                                    const Similarity& T_reference_source,
+                                    PacketSearch& search) {
+  const PackedMesh& queries = packed_reference.Packed();
+  const PackedMesh& target = packed_source.Packed();
+  NearestSlots nearest;
+  search.FindMoved(queries,
+                   PackedTransform(T_reference_source.Inverse(), packed_reference, packed_source),
+                   target, SearchSeed::kDescent, nearest);
   Eigen::Matrix3Xd displacement(3, reference.cols());
-  for (Eigen::Index k = 0; k < reference.cols(); ++k) {
-    displacement.col(k) = aligned.col(nearest[static_cast<size_t>(k)]) - reference.col(k);
+  for (size_t slot = 0; slot < static_cast<size_t>(reference.cols()); ++slot) {
+    const int32_t k = queries.VertexOfSlot()[slot];
+    const int32_t found = target.VertexOfSlot()[static_cast<size_t>(nearest.slots[slot])];
+    displacement.col(k) = T_reference_source.ApplyToPoint(source.col(found)) - reference.col(k);
   }
   return displacement;
 }

@@ -5,20 +5,25 @@
 
 #include <Eigen/Core>
 
+#include "common/geometry/registration/icp_mesh.h"
 #include "common/geometry/registration/similarity.h"
 
 namespace cohort {
 
 /// Displacement of each reference vertex to its nearest vertex of one aligned mesh:
-/// u_k = nearest(k) - reference_k, 3 x n (n = reference vertices). Builds one index, n look-ups.
+/// u_k = nearest(k) - reference_k, 3 x n (n = reference vertices). n look-ups, in the source's
+/// frame: a similarity does not change which vertex is nearest, so the aligned mesh needs no index.
 ///
-/// @param reference  3 x n, reference units.
-/// @param source  3 x m, source units.
+/// @param reference  3 x n, reference units; `packed_reference` the same.
+/// @param source  3 x m, source units; `packed_source` the same.
 /// Source: thesis eq. 3.22-3.23.
 [[nodiscard]] Eigen::Matrix3Xd DisplacementToMesh(
     const Eigen::Ref<const Eigen::Matrix3Xd>& reference,
+    const IcpMesh& packed_reference,
     const Eigen::Ref<const Eigen::Matrix3Xd>& source,
-    const Similarity& T_reference_source);
+    const IcpMesh& packed_source,
+    const Similarity& T_reference_source,
+    PacketSearch& search);
 
 /// reference_k + (1 / mesh_count) * sum of the partial sums, added in the given order.
 /// @param partial_sums  each 3 x n: sums of displacements of disjoint batches of meshes.

@@ -22,6 +22,14 @@ Eigen::Matrix4d HornMatrix(const Eigen::Matrix3d& S) {
 
 }  // namespace
 
+PairedSums::PairedSums(const PairSums& sums)
+    : count_(sums.count),
+      sum_a_(sums.a),
+      sum_b_(sums.b),
+      sum_ab_(sums.ba.transpose()),
+      sum_aa_(sums.aa),
+      sum_bb_(sums.bb) {}
+
 void PairedSums::Add(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   ++count_;
   sum_a_ += a;
@@ -31,7 +39,7 @@ void PairedSums::Add(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   sum_bb_ += b.squaredNorm();
 }
 
-absl::StatusOr<Similarity> PairedSums::Fit(ScaleMode scale_mode) const {
+absl::StatusOr<Similarity> PairedSums::Fit(const ScaleRule& rule) const {
   if (count_ == 0) {
     return absl::FailedPreconditionError("similarity fit: no pairs");
   }
@@ -51,11 +59,15 @@ absl::StatusOr<Similarity> PairedSums::Fit(ScaleMode scale_mode) const {
 
   Similarity T;
   T.rotation = R;
-  if (scale_mode == ScaleMode::kFree) {
+  T.scale = rule.fixed;
+  if (rule.mode == ScaleMode::kFree) {
     T.scale = (R * S).trace() / spread;  // sum b'.(R a') = trace(R S): Horn 1987, section 2.D.
-  } else if (scale_mode == ScaleMode::kSymmetric) {
+  } else if (rule.mode == ScaleMode::kSymmetric) {
     const double target_spread = sum_bb_ - sum_b_.dot(mean_b);
     T.scale = std::sqrt(std::max(0.0, target_spread) / spread);  // Horn 1987, section 2.E.
+  }
+  if (rule.mode != ScaleMode::kOff) {
+    T.scale = std::clamp(T.scale, rule.least, rule.greatest);
   }
   if (!(T.scale > 0)) {
     return absl::FailedPreconditionError("similarity fit: the scale is not positive");

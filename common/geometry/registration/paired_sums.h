@@ -1,25 +1,42 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include <Eigen/Core>
 
 #include <absl/status/statusor.h>
 
+#include "common/geometry/nearest/packet_search.h"
 #include "common/geometry/registration/similarity.h"
 
 namespace cohort {
+
+/// How the scale of a fit is found.
+struct ScaleRule {
+  ScaleMode mode = ScaleMode::kOff;
+  double fixed = 1;  ///< kOff: the scale.
+  /// Other modes: the best scale in this range. The error has one minimum over the scale, so that
+  /// the bound next to it is the best one inside.
+  double least = 0;
+  double greatest = std::numeric_limits<double>::infinity();
+};
 
 /// Sums over paired points from which the least-squares similarity follows: one pass, no
 /// temporaries, always added in the caller's order. Points should lie about the origin, else digits
 /// cancel. Internal to registration.
 class PairedSums {
  public:
+  PairedSums() = default;
+  explicit PairedSums(const PairSums& sums);
   void Add(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 
   /// Similarity that minimises sum |s R a + t - b|^2; see FitSimilarity.
   /// @return kFailedPrecondition if the points a coincide or the scale is not positive.
-  [[nodiscard]] absl::StatusOr<Similarity> Fit(ScaleMode scale_mode) const;
+  [[nodiscard]] absl::StatusOr<Similarity> Fit(const ScaleRule& rule) const;
+  [[nodiscard]] absl::StatusOr<Similarity> Fit(ScaleMode mode) const {
+    return Fit(ScaleRule{.mode = mode});
+  }
 
  private:
   int64_t count_ = 0;

@@ -15,7 +15,7 @@ namespace cohort {
 namespace {
 
 constexpr size_t kMaxScans = 2000;
-constexpr double kGridStep = 4.0;  // mm in the parameter domain
+constexpr int kGridStep = 4;  // mm in the parameter domain
 
 /// Shortest text that reads back to the same double, with a point whatever the locale.
 std::string Exact(double value) {
@@ -45,10 +45,10 @@ std::string NameFields(const DemoCapture& capture) {
 Eigen::Matrix3Xd CorrespondingPoints(const FaceParameters& parameters) {
   const ProceduralFace face(parameters);
   std::vector<Eigen::Vector3d> points;
-  for (double v = -96.0; v <= 88.0; v += kGridStep) {
-    for (double u = -80.0; u <= 80.0; u += kGridStep) {
+  for (int v = -96; v <= 88; v += kGridStep) {
+    for (int u = -80; u <= 80; u += kGridStep) {
       const double a = u / 84.0;
-      const double b = (v + 4.0) / 96.0;
+      const double b = (v + 4) / 96.0;
       if (a * a * a * a + b * b * b * b <= 1.0) {
         points.push_back(face.Point(u, v));
       }

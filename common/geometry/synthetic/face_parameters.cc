@@ -1,5 +1,6 @@
 #include "common/geometry/synthetic/face_parameters.h"
 
+#include <cmath>
 #include <cstddef>
 
 #include "common/base/random.h"
@@ -96,7 +97,7 @@ FaceExpression DrawExpression(uint64_t seed, double strength) {
 std::string DescribeExpression(const FaceExpression& expression) {
   std::string text;
   for (const ExpressionRow& row : kExpression) {
-    const auto hundredths = static_cast<int64_t>(100.0 * (expression.*row.field) + 0.5);
+    const auto hundredths = static_cast<int64_t>(std::floor(100.0 * (expression.*row.field) + 0.5));
     if (hundredths == 0) {
       continue;
     }

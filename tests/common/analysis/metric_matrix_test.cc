@@ -39,6 +39,7 @@ RowMajorMatrix RandomMatrix(Eigen::Index n, uint64_t seed) {
 
 std::vector<int64_t> Columns(const std::vector<Neighbour>& neighbours) {
   std::vector<int64_t> columns;
+  columns.reserve(neighbours.size());
   for (const Neighbour& neighbour : neighbours) {
     columns.push_back(neighbour.column);
   }

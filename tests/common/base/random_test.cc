@@ -13,6 +13,7 @@ namespace {
 TEST(Random, GivesTheNumbersOfSplitMix64) {
   Random random(1234567);
   std::vector<uint64_t> numbers;
+  numbers.reserve(5);
   for (int i = 0; i < 5; ++i) {
     numbers.push_back(random.NextBits());
   }

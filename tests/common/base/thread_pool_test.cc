@@ -71,6 +71,7 @@ TEST(ThreadPool, LetsCallersTakeTurns) {
   ThreadPool pool(3);
   std::atomic<int64_t> sum{0};
   std::vector<std::thread> callers;
+  callers.reserve(4);
   for (int caller = 0; caller < 4; ++caller) {
     callers.emplace_back([&] {
       for (int loop = 0; loop < 100; ++loop) {

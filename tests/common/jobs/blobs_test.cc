@@ -180,8 +180,8 @@ TEST(AlignmentBlob, KeepsEveryNumber) {
 
 TEST(AlignmentBlob, IsLaidOutAsTheHeaderSays) {
   const std::string bytes = EncodeAlignmentBlob(SomeAlignments());
-  EXPECT_EQ(bytes.size(), 8 + 8 + 2 * (4 + 4 + 1 + 8 + 15 * 8u));
-  ByteReader reader(std::string_view(bytes).substr(16 + 137 + 17 + 3 * 8 + 8));
+  EXPECT_EQ(bytes.size(), 8 + 8 + 2 * (4 + 4 + 2 + 8 + 17 * 8u));
+  ByteReader reader(std::string_view(bytes).substr(16 + 154 + 18 + 5 * 8 + 8));
   double second_of_first_row = 0;
   ASSERT_TRUE(reader.Get(second_of_first_row));
   EXPECT_EQ(second_of_first_row, 0.2);

@@ -26,6 +26,23 @@ JobSpec UnusualSpec() {
   spec.icp.scale_mode = ScaleMode::kOff;
   spec.icp.max_iterations = 13;
   spec.icp.tolerance = 0.1 + 0.2;
+  spec.mean_tolerance = 0.25;
+  spec.icp.scale_limit = 1.5;
+  spec.icp.rigid_first = false;
+  spec.icp.acceleration = Acceleration::kNone;
+  spec.icp.trimmed_share = 0.1;
+  spec.icp.distance_limit = 7;
+  spec.icp.boundary_pairs = BoundaryPairs::kReject;
+  spec.icp.correspondence = Correspondence::kSurface;
+  spec.undersampling = {.method = UndersamplingMethod::kRandom,
+                        .count = 77,
+                        .share = 0.5,
+                        .radius = 2,
+                        .seed = 0xFFFFFFFFFFFFFFF0u};
+  spec.compare = {.correspondence = Correspondence::kSurface,
+                  .boundary_pairs = BoundaryPairs::kReject,
+                  .retention = Retention::kCompact};
+  spec.retention_budget = 12345678901;
   spec.metric = Metric::kPercentile75;
   spec.symmetrization = Symmetrization::kDirected;
   spec.neighbours = 5;
@@ -38,6 +55,10 @@ TEST(JobSpecJson, RoundTripsThroughTextWithoutLosingABit) {
   const JobSpec expected = UnusualSpec();
   const auto spec = JobSpecFromJson(json::parse(ToJson(expected).dump()));
   ASSERT_THAT(spec, IsOk());
+  EXPECT_EQ(ToJson(*spec), ToJson(expected));
+  EXPECT_EQ(spec->compare, expected.compare);
+  EXPECT_EQ(spec->undersampling.seed, expected.undersampling.seed);
+  EXPECT_EQ(spec->icp.distance_limit, 7);
   EXPECT_EQ(spec->method, Method::kEach);
   EXPECT_EQ(spec->base, expected.base);
   EXPECT_EQ(spec->rounds, 7);
@@ -128,6 +149,15 @@ INSTANTIATE_TEST_SUITE_P(
                  [](JobSpec& spec) {
                    spec.size_ratio_limit = std::numeric_limits<double>::quiet_NaN();
                  }},
+        BadValue{"base is \"a.ply\", expected none with the base rule \"auto\"",
+                 [](JobSpec& spec) {
+                   spec.base_rule = BaseRule::kAuto;
+                   spec.base = "a.ply";
+                 }},
+        BadValue{"mean_tolerance is -1", [](JobSpec& spec) { spec.mean_tolerance = -1; }},
+        BadValue{"retention_budget is -1", [](JobSpec& spec) { spec.retention_budget = -1; }},
+        BadValue{"undersampling",
+                 [](JobSpec& spec) { spec.undersampling.method = UndersamplingMethod::kDisk; }},
         BadValue{"icp", [](JobSpec& spec) { spec.icp.max_iterations = 0; }}));
 
 TEST(PresetSpec, ThesisHasTheTextsNumbers) {

@@ -144,7 +144,7 @@ TEST(HeatmapLayout, IsNoLargerForThousandsOfMeshes) {
 
 TEST(HeatmapLayout, ShortensLongNames) {
   MetricMatrix matrix = Differences(3);
-  for (std::string& label : matrix.labels) label = std::string(300, 'x') + label;
+  for (std::string& label : matrix.labels) label.insert(0, 300, 'x');
   const HeatmapLayout layout = LayOutHeatmap(matrix, {});
   EXPECT_EQ(layout.marks[1].text, "…1");
   EXPECT_LT(layout.width, 800);

@@ -85,6 +85,7 @@ TEST(MedianOfSorted, IsTheMiddleOrTheMeanOfTheMiddleTwo) {
 
 TEST(ChooseBins, AreNiceAndHoldEveryValueOnce) {
   std::vector<double> values;
+  values.reserve(1000);
   for (int i = 0; i < 1000; ++i) values.push_back(0.37 + i * 0.00201);
   const Bins bins = ChooseBins(Pairs({}, values));
   EXPECT_EQ(bins.width, 0.1);
@@ -107,6 +108,7 @@ TEST(ChooseBins, SurroundASingleValue) {
 
 TEST(ChooseBins, PutAFailedMeshIntoTheLastBin) {
   std::vector<double> values;
+  values.reserve(101);
   for (int i = 0; i < 100; ++i) values.push_back(1 + i * 0.01);
   values.push_back(500);
   const Bins bins = ChooseBins(Pairs({}, values));
@@ -117,6 +119,7 @@ TEST(ChooseBins, PutAFailedMeshIntoTheLastBin) {
 
 TEST(ChooseBins, DoNotTakeASmallFarClassForAnOutlier) {
   std::vector<double> same;
+  same.reserve(100);
   for (int i = 0; i < 100; ++i) same.push_back(1 + i * 0.001);
   const Bins bins = ChooseBins(Pairs(same, {50, 51, 52, 53, 54, 55, 56, 57}));
   EXPECT_EQ(bins.beyond, 0);

@@ -17,7 +17,23 @@ JobSpec UnusualSpec() {
   spec.base = "b.ply";
   spec.rounds = 7;
   spec.pose = PoseMode::kNone;
-  spec.icp = {.scale_mode = ScaleMode::kOff, .max_iterations = 11, .tolerance = 0.1};
+  spec.icp = {.scale_mode = ScaleMode::kOff,
+              .scale_limit = 1.5,
+              .rigid_first = false,
+              .max_iterations = 11,
+              .tolerance = 0.1,
+              .acceleration = Acceleration::kNone,
+              .trimmed_share = 0.2,
+              .distance_limit = 9,
+              .boundary_pairs = BoundaryPairs::kReject,
+              .correspondence = Correspondence::kSurface};
+  spec.undersampling = {
+      .method = UndersamplingMethod::kDisk, .count = 5, .share = 0.3, .radius = 4, .seed = 99};
+  spec.compare = {.correspondence = Correspondence::kSurface,
+                  .boundary_pairs = BoundaryPairs::kReject,
+                  .retention = Retention::kSketch};
+  spec.mean_tolerance = 0.5;
+  spec.retention_budget = 77;
   spec.metric = Metric::kPercentile75;
   spec.symmetrization = Symmetrization::kDirected;
   spec.neighbours = 5;
@@ -59,6 +75,8 @@ TEST(Convert, ATaskSurvivesTheWay) {
   task.alignments = {Sha256::Of("x"), Sha256::Of("y")};
   task.partials = {Sha256::Of("z")};
   task.icp = UnusualSpec().icp;
+  task.undersampling = UnusualSpec().undersampling;
+  task.compare = UnusualSpec().compare;
   task.position_bits = 12;
   task.wants_displacement = true;
   task.counts_reference_index = true;
@@ -71,6 +89,8 @@ TEST(Convert, ATaskSurvivesTheWay) {
   EXPECT_EQ(back->alignments, task.alignments);
   EXPECT_EQ(back->frame_center, task.frame_center);
   EXPECT_EQ(back->icp.tolerance, task.icp.tolerance);
+  EXPECT_EQ(back->undersampling.radius, task.undersampling.radius);
+  EXPECT_EQ(back->compare, task.compare);
 }
 
 TEST(Convert, ATaskResultSurvivesTheWay) {
@@ -81,6 +101,9 @@ TEST(Convert, ATaskResultSurvivesTheWay) {
   result.counters.align = {.index_builds = 1, .lookups = 2};
   result.counters.pairs = 9;
   result.seconds = 0.5;
+  result.fields = Sha256::Of("fields");
+  result.change = 0.25;
+  result.base = 3;
   const auto back = FromProto(ToProto(result));
   ASSERT_THAT(back, IsOk());
   EXPECT_EQ(ToJson(*back), ToJson(result));

@@ -206,6 +206,7 @@ TEST_F(DirectoryBlobStoreTest, TakesTheSameBytesFromManyWritersAtOnce) {
   const std::string bytes = SomeBytes(200'000);
   std::vector<absl::Status> statuses(8);
   std::vector<std::thread> writers;
+  writers.reserve(statuses.size());
   for (absl::Status& status : statuses) {
     writers.emplace_back([&] {
       const std::unique_ptr<DirectoryBlobStore> store = DirectoryBlobStore::Create(Root()).value();

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/testing/bits.h"
 #include "tests/testing/status_matchers.h"
 
 namespace cohort {
@@ -33,7 +34,7 @@ TEST(RawMeshBlob, KeepsEveryBit) {
 
   ASSERT_THAT(decoded, testing::IsOk());
   ASSERT_EQ(decoded->VertexCount(), 4);
-  EXPECT_EQ(std::memcmp(decoded->vertices.data(), mesh.vertices.data(), 12 * sizeof(double)), 0);
+  EXPECT_EQ(testing::BitsOf(decoded->vertices), testing::BitsOf(mesh.vertices));
   EXPECT_EQ(decoded->faces, mesh.faces);
 }
 

@@ -22,6 +22,7 @@ double Of(const MetricValues& values, Metric metric) {
 std::vector<float> RandomSquares(int count, uint64_t seed) {
   Random random(seed);
   std::vector<float> squares;
+  squares.reserve(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i) {
     squares.push_back(static_cast<float>(random.Uniform(0.001, 30)));
   }
@@ -93,6 +94,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, Percentile75, ::testing::Values(1, 2, 3, 4, 5, 1
 TEST(ComputeMetric, EqualsComputeMetricsOnTheDistances) {
   const std::vector<float> squares = RandomSquares(777, 4);
   std::vector<double> distances;
+  distances.reserve(squares.size());
   for (const float square : squares) {
     distances.push_back(double{std::sqrt(square)});
   }
@@ -105,6 +107,7 @@ TEST(ComputeMetric, EqualsComputeMetricsOnTheDistances) {
 
 TEST(MetricName, IsInvertedByMetricFromName) {
   std::vector<Metric> round_trip;
+  round_trip.reserve(kMetricCount);
   for (const Metric metric : kAllMetrics) {
     round_trip.push_back(MetricFromName(MetricName(metric)).value());
   }

@@ -51,35 +51,50 @@ struct Counts {
   int64_t faces = 0;
 };
 
-/// Counted the plain way, by another road than the readers'; all shared files are triangles.
-Counts PlainCounts(const std::filesystem::path& path, const std::string& bytes) {
+Counts StlCounts(const std::string& bytes) {
   Counts counts;
-  std::istringstream lines(bytes);
-  std::string line;
-  if (path.extension() == ".stl" && bytes.compare(0, 5, "solid") != 0) {
+  if (bytes.compare(0, 5, "solid") != 0) {
     uint32_t triangles = 0;
     std::memcpy(&triangles, bytes.data() + 80, sizeof(triangles));
     counts.faces = triangles;
-  } else if (path.extension() == ".stl") {
-    while (std::getline(lines, line)) {
-      counts.faces += line.find("endfacet") != std::string::npos ? 1 : 0;
-    }
-  } else if (path.extension() == ".ply") {
-    while (std::getline(lines, line) && line.rfind("end_header", 0) != 0) {
-      if (line.rfind("element vertex ", 0) == 0) {
-        counts.vertices = std::stoll(line.substr(15));
-      } else if (line.rfind("element face ", 0) == 0) {
-        counts.faces = std::stoll(line.substr(13));
-      }
-    }
-  } else {
-    counts.vertices = 0;
-    while (std::getline(lines, line)) {
-      counts.vertices += line.rfind("v ", 0) == 0 ? 1 : 0;
-      counts.faces += line.rfind("f ", 0) == 0 ? 1 : 0;
+    return counts;
+  }
+  std::istringstream lines(bytes);
+  for (std::string line; std::getline(lines, line);) {
+    counts.faces += line.find("endfacet") != std::string::npos ? 1 : 0;
+  }
+  return counts;
+}
+
+Counts PlyCounts(const std::string& bytes) {
+  Counts counts;
+  std::istringstream lines(bytes);
+  for (std::string line; std::getline(lines, line) && line.rfind("end_header", 0) != 0;) {
+    if (line.rfind("element vertex ", 0) == 0) {
+      counts.vertices = std::stoll(line.substr(15));
+    } else if (line.rfind("element face ", 0) == 0) {
+      counts.faces = std::stoll(line.substr(13));
     }
   }
   return counts;
+}
+
+Counts ObjCounts(const std::string& bytes) {
+  Counts counts;
+  counts.vertices = 0;
+  std::istringstream lines(bytes);
+  for (std::string line; std::getline(lines, line);) {
+    counts.vertices += line.rfind("v ", 0) == 0 ? 1 : 0;
+    counts.faces += line.rfind("f ", 0) == 0 ? 1 : 0;
+  }
+  return counts;
+}
+
+/// Counted the plain way, by another road than the readers'; all shared files are triangles.
+Counts PlainCounts(const std::filesystem::path& path, const std::string& bytes) {
+  return path.extension() == ".stl"   ? StlCounts(bytes)
+         : path.extension() == ".ply" ? PlyCounts(bytes)
+                                      : ObjCounts(bytes);
 }
 
 TEST(SharedData, AllReadWithTheRightCountsAndSurviveDraco) {

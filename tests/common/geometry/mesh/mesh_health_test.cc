@@ -281,9 +281,17 @@ TriangleMesh RandomTrouble(Random& random) {
 
 /// The same numbers by comparing everything with everything.
 struct BruteForce {
+  /// Start and end of an edge as a face runs along it -> number of such faces.
+  using DirectedEdges = std::map<std::pair<int32_t, int32_t>, int>;
+
   explicit BruteForce(const TriangleMesh& mesh) {
+    CountFacesAndEdges(mesh);
+    CountDuplicateVertices(mesh);
+  }
+
+  void CountFacesAndEdges(const TriangleMesh& mesh) {
     std::set<std::set<int32_t>> seen;
-    std::map<std::pair<int32_t, int32_t>, int> uses;
+    DirectedEdges uses;
     for (Eigen::Index f = 0; f < mesh.FaceCount(); ++f) {
       const Eigen::Vector3i face = mesh.faces.col(f);
       const std::set<int32_t> corners(face.begin(), face.end());
@@ -295,6 +303,11 @@ struct BruteForce {
       duplicate_faces += corners.size() == 3 ? 1 : 0;
     }
     duplicate_faces -= static_cast<int64_t>(seen.size());
+    components = CountComponents(seen);
+    CountEdges(uses);
+  }
+
+  void CountEdges(const DirectedEdges& uses) {
     for (const auto& [edge, forward] : uses) {
       const auto opposite = uses.find({edge.second, edge.first});
       const int backward = opposite == uses.end() ? 0 : opposite->second;
@@ -303,7 +316,9 @@ struct BruteForce {
       boundary += forward + backward == 1 ? 1 : 0;
       non_manifold += !counted_from_the_other_side && (forward > 1 || backward > 1) ? 1 : 0;
     }
-    components = CountComponents(seen);
+  }
+
+  void CountDuplicateVertices(const TriangleMesh& mesh) {
     for (int64_t v = 0; v < mesh.VertexCount(); ++v) {
       bool duplicate = false;
       for (int64_t w = 0; w < v; ++w) {

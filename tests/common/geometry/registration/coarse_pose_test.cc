@@ -1,15 +1,16 @@
 #include "common/geometry/registration/coarse_pose.h"
 
-#include <cstring>
-
 #include <gtest/gtest.h>
 
+#include "common/geometry/registration/scaling_icp.h"
 #include "tests/common/geometry/registration/bumpy_surface.h"
+#include "tests/testing/bits.h"
 #include "tests/testing/status_matchers.h"
 
 namespace cohort {
 namespace {
 
+using testing::BitsOf;
 using testing::BumpySurface;
 using testing::CutHole;
 using testing::DegreesBetween;
@@ -38,8 +39,7 @@ TriangleMesh Moved(TriangleMesh mesh, const Similarity& motion) {
 double CoarseError(const TriangleMesh& source,
                    const TriangleMesh& target,
                    const Similarity& motion) {
-  const absl::StatusOr<CoarsePose> pose =
-      FindCoarsePose(Moved(source, motion), target, IcpTarget(target.vertices));
+  const absl::StatusOr<CoarsePose> pose = FindCoarsePose(Moved(source, motion), target);
   EXPECT_THAT(pose, IsOk());
   return pose.ok() ? DegreesBetween(pose->T_target_source.rotation, motion.Inverse().rotation)
                    : 180;
@@ -72,11 +72,13 @@ TEST_P(CoarsePoseFromAnywhere, FindsAScanWithHolesSpikesAndFloatingPieces) {
 TEST_P(CoarsePoseFromAnywhere, LeadsIcpToTheAlignmentOfTheUnturnedMesh) {
   const TriangleMesh source = BumpySurface(kRows, 2, 3);
   const TriangleMesh target_mesh = BumpySurface(kRows);
-  const IcpTarget target(target_mesh.vertices);
+  const IcpMesh target(target_mesh.vertices);
+  PacketSearch search;
   const Similarity motion = RandomMotion(GetParam());
   const auto AlignedRotation = [&](const TriangleMesh& mesh) {
-    const CoarsePose pose = FindCoarsePose(mesh, target_mesh, target).value();
-    return AlignByIcp(mesh.vertices, target, pose.T_target_source, {})->T_target_source.rotation;
+    const CoarsePose pose = FindCoarsePose(mesh, target_mesh).value();
+    return AlignByIcp(IcpMesh(mesh.vertices), target, pose.T_target_source, {}, search)
+        ->T_target_source.rotation;
   };
   EXPECT_LT(DegreesBetween(AlignedRotation(Moved(source, motion)) * motion.rotation,
                            AlignedRotation(source)),
@@ -102,7 +104,7 @@ TEST(FindCoarsePose, FindsAPartOnTheWhole) {
 TEST(FindCoarsePose, IsRigidAndMovesTheMeshOntoTheTarget) {
   const TriangleMesh target = BumpySurface(kRows);
   const TriangleMesh source = Moved(BumpySurface(kRows, 2), RandomMotion(1));
-  const auto pose = FindCoarsePose(source, target, IcpTarget(target.vertices));
+  const auto pose = FindCoarsePose(source, target);
   ASSERT_THAT(pose, IsOk());
   EXPECT_EQ(pose->T_target_source.scale, 1);
   EXPECT_GT(pose->lookups, 0);
@@ -114,11 +116,10 @@ TEST(FindCoarsePose, IsRigidAndMovesTheMeshOntoTheTarget) {
 
 TEST(FindCoarsePose, GivesTheSameBytesAgain) {
   const TriangleMesh target_mesh = BumpySurface(30);
-  const IcpTarget target(target_mesh.vertices);
   const TriangleMesh source = Moved(BumpySurface(30, 2), RandomMotion(2));
-  const Eigen::Matrix4d a = FindCoarsePose(source, target_mesh, target)->T_target_source.Matrix();
-  const Eigen::Matrix4d b = FindCoarsePose(source, target_mesh, target)->T_target_source.Matrix();
-  EXPECT_EQ(std::memcmp(a.data(), b.data(), sizeof(double) * 16), 0);
+  const Eigen::Matrix4d a = FindCoarsePose(source, target_mesh)->T_target_source.Matrix();
+  const Eigen::Matrix4d b = FindCoarsePose(source, target_mesh)->T_target_source.Matrix();
+  EXPECT_EQ(BitsOf(a), BitsOf(b));
 }
 
 TEST(FindCoarsePose, WorksOnTheSmallestMesh) {
@@ -127,9 +128,9 @@ TEST(FindCoarsePose, WorksOnTheSmallestMesh) {
   triangle.vertices << 0, 1, 0, 0, 0, 2, 5, 5, 5;
   triangle.faces.resize(3, 1);
   triangle.faces << 0, 1, 2;
-  EXPECT_THAT(FindCoarsePose(triangle, triangle, IcpTarget(triangle.vertices)), IsOk());
+  EXPECT_THAT(FindCoarsePose(triangle, triangle), IsOk());
   triangle.faces.resize(3, 0);
-  EXPECT_THAT(FindCoarsePose(triangle, triangle, IcpTarget(triangle.vertices)), IsOk());
+  EXPECT_THAT(FindCoarsePose(triangle, triangle), IsOk());
 }
 
 TEST(FindCoarsePose, RefusesAMeshWithoutExtent) {
@@ -137,9 +138,9 @@ TEST(FindCoarsePose, RefusesAMeshWithoutExtent) {
   TriangleMesh point;
   point.vertices = Eigen::Vector3d(0.1, 0.2, 0.3).replicate(1, 5);
   point.faces.resize(3, 0);
-  EXPECT_THAT(FindCoarsePose(point, mesh, IcpTarget(mesh.vertices)),
+  EXPECT_THAT(FindCoarsePose(point, mesh),
               StatusIs(absl::StatusCode::kFailedPrecondition, "extent"));
-  EXPECT_THAT(FindCoarsePose(mesh, point, IcpTarget(point.vertices)),
+  EXPECT_THAT(FindCoarsePose(mesh, point),
               StatusIs(absl::StatusCode::kFailedPrecondition, "extent"));
 }
 

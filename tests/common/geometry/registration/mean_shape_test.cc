@@ -12,6 +12,14 @@ namespace {
 using testing::BumpySurface;
 using testing::MakeSimilarity;
 
+Eigen::Matrix3Xd Displacement(const Eigen::Matrix3Xd& reference,
+                              const Eigen::Matrix3Xd& source,
+                              const Similarity& T_reference_source) {
+  PacketSearch search;
+  return DisplacementToMesh(reference, IcpMesh(reference), source, IcpMesh(source),
+                            T_reference_source, search);
+}
+
 TEST(DisplacementToMesh, EqualsBruteForce) {
   const Eigen::Matrix3Xd reference = BumpySurface(15).vertices.colwise() + Eigen::Vector3d(9, 8, 7);
   const Eigen::Matrix3Xd source = BumpySurface(20, 2, 3).vertices;
@@ -23,20 +31,18 @@ TEST(DisplacementToMesh, EqualsBruteForce) {
     (aligned.colwise() - reference.col(k)).colwise().squaredNorm().minCoeff(&nearest);
     expected.col(k) = aligned.col(nearest) - reference.col(k);
   }
-  EXPECT_TRUE(DisplacementToMesh(reference, source, T).isApprox(expected, 1e-12));
+  EXPECT_TRUE(Displacement(reference, source, T).isApprox(expected, 1e-12));
 }
 
 TEST(DisplacementToMesh, IsZeroToTheMeshItself) {
   const Eigen::Matrix3Xd reference = BumpySurface(15).vertices;
-  EXPECT_EQ(DisplacementToMesh(reference, reference, {}),
-            Eigen::Matrix3Xd::Zero(3, reference.cols()));
+  EXPECT_EQ(Displacement(reference, reference, {}), Eigen::Matrix3Xd::Zero(3, reference.cols()));
 }
 
 TEST(DisplacementToMesh, IsASmallShiftOfACopy) {
   const Eigen::Matrix3Xd reference = BumpySurface(15).vertices;
   const Eigen::Vector3d shift(0.01, -0.02, 0.03);
-  const Eigen::Matrix3Xd displacement =
-      DisplacementToMesh(reference, reference.colwise() + shift, {});
+  const Eigen::Matrix3Xd displacement = Displacement(reference, reference.colwise() + shift, {});
   EXPECT_TRUE(displacement.isApprox(shift.replicate(1, reference.cols()), 1e-10));
 }
 
@@ -58,12 +64,13 @@ TEST(MeanShape, MovesAFlatReferenceToTheMeanHeight) {
   // Sheets of one grid at heights 0, 1, 5, 6: each nearest vertex is straight above.
   Eigen::Matrix3Xd reference(3, 400);
   for (Eigen::Index i = 0; i < 400; ++i) {
-    reference.col(i) << static_cast<double>(10 * (i / 20)), static_cast<double>(10 * (i % 20)), 0;
+    const Eigen::Index row = i / 20;
+    reference.col(i) << 10.0 * static_cast<double>(row), 10.0 * static_cast<double>(i % 20), 0;
   }
   std::vector<Eigen::Matrix3Xd> displacements;
   for (const double height : {0.0, 1.0, 5.0, 6.0}) {
     displacements.push_back(
-        DisplacementToMesh(reference, reference.colwise() + Eigen::Vector3d(0, 0, height), {}));
+        Displacement(reference, reference.colwise() + Eigen::Vector3d(0, 0, height), {}));
   }
   const Eigen::Matrix3Xd mean = MoveByMeanDisplacement(reference, displacements, 4);
   EXPECT_EQ(mean, reference.colwise() + Eigen::Vector3d(0, 0, 3));

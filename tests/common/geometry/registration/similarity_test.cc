@@ -8,7 +8,6 @@
 namespace cohort {
 namespace {
 
-using testing::BumpySurface;
 using testing::DegreesBetween;
 using testing::IsOk;
 using testing::MakeSimilarity;

@@ -10,7 +10,6 @@ namespace cohort {
 namespace {
 
 using testing::BumpySurface;
-using testing::DegreesBetween;
 using testing::MakeSimilarity;
 
 /// Rectangle 0..2a x 0..b; the left half has cells * cells squares, the right half two triangles.

@@ -18,9 +18,9 @@ FaceParameters Average() {
 
 template <typename Function>
 void OverTheMask(const Function& call) {
-  for (double v = -95.0; v <= 85.0; v += 2.5) {
-    for (double u = -75.0; u <= 75.0; u += 2.5) {
-      call(u, v);
+  for (int row = -38; row <= 34; ++row) {
+    for (int column = -30; column <= 30; ++column) {
+      call(2.5 * column, 2.5 * row);
     }
   }
 }
