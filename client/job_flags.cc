@@ -1,5 +1,9 @@
 #include "client/job_flags.h"
 
+#include <cmath>
+
+#include <absl/strings/numbers.h>
+
 #include "common/base/status_macros.h"
 
 namespace cohort {
@@ -42,58 +46,151 @@ void SetIfGiven(const std::optional<T>& value, T& target) {
   target = value.value_or(target);
 }
 
+/// "none", "random:0.1" (share), "random:2000" (count), "disk:3" (radius), "curvature:0.2".
+absl::StatusOr<UndersamplingOptions> ParseUndersampling(const std::string& text) {
+  const std::string expected =
+      "expected none, random:SHARE, random:COUNT, disk:RADIUS, curvature:SHARE or curvature:COUNT";
+  const size_t colon = text.find(':');
+  const std::optional<UndersamplingMethod> method = UndersamplingFromName(text.substr(0, colon));
+  UndersamplingOptions options;
+  if (!method || (*method == UndersamplingMethod::kNone) != (colon == std::string::npos)) {
+    return absl::InvalidArgumentError("--undersample " + text + ": " + expected);
+  }
+  options.method = *method;
+  if (*method == UndersamplingMethod::kNone) {
+    return options;
+  }
+  double number = 0;
+  if (!absl::SimpleAtod(text.substr(colon + 1), &number) || !(number > 0)) {
+    return absl::InvalidArgumentError("--undersample " + text + ": " + expected);
+  }
+  if (*method == UndersamplingMethod::kDisk) {
+    options.radius = number;
+  } else if (number <= 1) {
+    options.share = number;
+  } else if (number == std::floor(number) && number < 1e9) {
+    options.count = static_cast<int64_t>(number);
+  } else {
+    return absl::InvalidArgumentError("--undersample " + text + ": " + expected);
+  }
+  return options;
+}
+
 }  // namespace
 
 void JobFlags::AddTo(CLI::App& command) {
   const std::string group = "Job";
-  command
-      .add_option("--method", method,
-                  "what meshes are aligned to: average (the mean shape), one (the base mesh), "
-                  "each (every mesh), none")
-      ->capture_default_str()
-      ->group(group);
-  command
-      .add_option("--preset", preset,
-                  "default (converge to 1e-6 mm) or thesis (10 iterations a round, 0.05 mm)")
-      ->capture_default_str()
-      ->group(group);
-  command.add_option("--base", base, "file name of the first reference [first by name]")
-      ->group(group);
-  command.add_option("--rounds", rounds, "updates of the mean shape [3]")->group(group);
-  command
-      .add_option("--pose", pose,
-                  "coarse pose before ICP: principal-axes or none "
-                  "[principal-axes]")
-      ->group(group);
-  command
-      .add_option("--scale", scale,
-                  "uniform scale in the alignment: on (symmetric), least-squares (as the thesis; "
-                  "shrinks unlike shapes) or off [on]")
-      ->group(group);
-  command.add_option("--max-iterations", max_iterations, "ICP iterations per alignment [200]")
-      ->group(group);
-  command
-      .add_option("--tolerance", tolerance,
-                  "ICP stops when the mean distance changes by less, mm; 0: never [1e-6]")
-      ->group(group);
-  command
-      .add_option("--metric", metric, "rms, mean, geometric-mean, min, max, variance or p75 [rms]")
-      ->group(group);
-  command
-      .add_option("--symmetrize", symmetrize,
-                  "one value per pair: mean, max or directed (two values) [mean]")
-      ->group(group);
-  command.add_option("--neighbours", neighbours, "most similar meshes listed per mesh [3]")
-      ->group(group);
-  command
-      .add_option("--position-bits", position_bits,
-                  "Draco quantisation of the stored meshes, 8 to 30 [18: below 1 um on a face]")
-      ->group(group);
-  command
-      .add_option("--size-ratio-limit", size_ratio_limit,
-                  "refuse meshes this many times larger or smaller than the median, as in "
-                  "another unit; 0: accept all [5]")
-      ->group(group);
+  const auto add = [&](const char* name, auto& target, const char* help) {
+    return command.add_option(name, target, help)->group(group);
+  };
+  add("--method", method,
+      "what meshes are aligned to: average (the mean shape), one (the base mesh), each (every "
+      "mesh), none")
+      ->capture_default_str();
+  add("--preset", preset,
+      "default (converge to 1e-6 mm) or thesis (10 iterations a round, 0.05 mm, plain ICP)")
+      ->capture_default_str();
+  add("--base", base,
+      "first reference: a file name, first (by name) or auto (the mesh nearest to all others) "
+      "[first]");
+  add("--rounds", rounds, "updates of the mean shape [3]");
+  add("--mean-tolerance", mean_tolerance,
+      "no further rounds once the mean shape moves by less (RMS, mm); 0: all run [0]");
+  add("--metric", metric, "rms, mean, geometric-mean, min, max, variance or p75 [rms]");
+  add("--symmetrize", symmetrize, "one value per pair: mean, max or directed (two values) [mean]");
+  add("--neighbours", neighbours, "most similar meshes listed per mesh [3]");
+  add("--position-bits", position_bits,
+      "Draco quantisation of the stored meshes, 8 to 30 [18: below 1 um on a face]");
+  add("--size-ratio-limit", size_ratio_limit,
+      "refuse meshes this many times larger or smaller than the median, as in another unit; 0: "
+      "accept all [5]");
+  AddAlignmentOptionsTo(command);
+  AddComparisonOptionsTo(command);
+}
+
+void JobFlags::AddAlignmentOptionsTo(CLI::App& command) {
+  const std::string group = "Alignment";
+  const auto add = [&](const char* name, auto& target, const char* help) {
+    command.add_option(name, target, help)->group(group);
+  };
+  add("--pose", pose, "coarse pose before ICP: principal-axes or none [principal-axes]");
+  add("--scale", scale,
+      "uniform scale: on (symmetric), least-squares (as the thesis; shrinks unlike shapes) or off "
+      "[on]");
+  add("--scale-limit", scale_limit,
+      "largest factor between the scales before and after, >= 1; 0: none [0]");
+  add("--max-iterations", max_iterations, "ICP iterations per alignment [200]");
+  add("--tolerance", tolerance,
+      "ICP stops when the distance changes by less, mm (RMS; without acceleration the mean); 0: "
+      "never [1e-6]");
+  add("--acceleration", acceleration, "of ICP: anderson or none [anderson]");
+  add("--trim", trim, "share of the pairs, the farthest, that do not count in ICP, 0 to 0.9 [0]");
+  add("--distance-limit", distance_limit,
+      "pairs farther apart do not count in ICP, mm; 0: all count [0]");
+  add("--align-boundary", align_boundary,
+      "pairs on the open boundary of the reference: keep or reject in ICP [keep]");
+  add("--correspondence", correspondence,
+      "ICP pairs a vertex with the nearest vertex or the nearest point of the surface [vertex]");
+  add("--undersample", undersample,
+      "vertices that take part in ICP: none, random:SHARE, random:COUNT, disk:RADIUS (mm), "
+      "curvature:SHARE, curvature:COUNT [none: all]");
+}
+
+void JobFlags::AddComparisonOptionsTo(CLI::App& command) {
+  const std::string group = "Comparison";
+  const auto add = [&](const char* name, auto& target, const char* help) {
+    command.add_option(name, target, help)->group(group);
+  };
+  add("--distance", distance,
+      "from each vertex to the nearest vertex or the nearest point of the surface (does not depend "
+      "on how dense the vertices are; needs faces) [vertex]");
+  add("--boundary", boundary,
+      "distances to the open boundary of the other mesh: keep or reject [keep]");
+  add("--retention", retention,
+      "what is kept of the distances: vectors (all), compact (all, to 1 um), sketch (0.5 KB a "
+      "pair), metrics, auto (the richest within the budget) [auto]");
+  add("--retention-budget", retention_budget_gb, "for auto, GB [2]");
+}
+
+absl::Status JobFlags::SetAlignment(JobSpec& spec) const {
+  COHORT_RETURN_IF_ERROR(
+      SetFromName(pose, "--pose", "principal-axes or none", PoseModeFromName, spec.pose));
+  COHORT_RETURN_IF_ERROR(SetFromName(
+      scale, "--scale", "on, symmetric, least-squares or off",
+      [&](std::string_view name) { return ScaleModeFromFlag(name, spec.icp.scale_mode); },
+      spec.icp.scale_mode));
+  SetIfGiven(scale_limit, spec.icp.scale_limit);
+  SetIfGiven(max_iterations, spec.icp.max_iterations);
+  SetIfGiven(tolerance, spec.icp.tolerance);
+  COHORT_RETURN_IF_ERROR(SetFromName(acceleration, "--acceleration", "anderson or none",
+                                     AccelerationFromName, spec.icp.acceleration));
+  SetIfGiven(trim, spec.icp.trimmed_share);
+  SetIfGiven(distance_limit, spec.icp.distance_limit);
+  COHORT_RETURN_IF_ERROR(SetFromName(align_boundary, "--align-boundary", "keep or reject",
+                                     BoundaryPairsFromName, spec.icp.boundary_pairs));
+  COHORT_RETURN_IF_ERROR(SetFromName(correspondence, "--correspondence", "vertex or surface",
+                                     CorrespondenceFromName, spec.icp.correspondence));
+  if (undersample) {
+    COHORT_ASSIGN_OR_RETURN(spec.undersampling, ParseUndersampling(*undersample));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status JobFlags::SetComparison(JobSpec& spec) const {
+  COHORT_RETURN_IF_ERROR(SetFromName(distance, "--distance", "vertex or surface",
+                                     CorrespondenceFromName, spec.compare.correspondence));
+  COHORT_RETURN_IF_ERROR(SetFromName(boundary, "--boundary", "keep or reject",
+                                     BoundaryPairsFromName, spec.compare.boundary_pairs));
+  COHORT_RETURN_IF_ERROR(SetFromName(retention, "--retention",
+                                     "vectors, compact, sketch, metrics or auto", RetentionFromName,
+                                     spec.compare.retention));
+  if (retention_budget_gb) {
+    if (!(*retention_budget_gb >= 0 && *retention_budget_gb <= 1e9)) {
+      return absl::InvalidArgumentError("--retention-budget: expected 0 or more GB");
+    }
+    spec.retention_budget = static_cast<int64_t>(*retention_budget_gb * 1e9);
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<JobSpec> JobFlags::ToSpec() const {
@@ -103,16 +200,15 @@ absl::StatusOr<JobSpec> JobFlags::ToSpec() const {
                                       ": expected average, one, each or none");
   }
   COHORT_ASSIGN_OR_RETURN(JobSpec spec, PresetSpec(preset, *parsed_method));
-  SetIfGiven(base, spec.base);
+  if (base == "auto") {
+    spec.base_rule = BaseRule::kAuto;
+  } else if (base != "first") {
+    SetIfGiven(base, spec.base);
+  }
   SetIfGiven(rounds, spec.rounds);
-  COHORT_RETURN_IF_ERROR(
-      SetFromName(pose, "--pose", "principal-axes or none", PoseModeFromName, spec.pose));
-  COHORT_RETURN_IF_ERROR(SetFromName(
-      scale, "--scale", "on, symmetric, least-squares or off",
-      [&](std::string_view name) { return ScaleModeFromFlag(name, spec.icp.scale_mode); },
-      spec.icp.scale_mode));
-  SetIfGiven(max_iterations, spec.icp.max_iterations);
-  SetIfGiven(tolerance, spec.icp.tolerance);
+  SetIfGiven(mean_tolerance, spec.mean_tolerance);
+  COHORT_RETURN_IF_ERROR(SetAlignment(spec));
+  COHORT_RETURN_IF_ERROR(SetComparison(spec));
   COHORT_RETURN_IF_ERROR(SetFromName(metric, "--metric",
                                      "rms, mean, geometric-mean, min, max, variance or p75",
                                      MetricFromName, spec.metric));

@@ -17,9 +17,21 @@ struct JobFlags {
   std::optional<std::string> base;
   std::optional<int> rounds;
   std::optional<std::string> pose;
+  std::optional<double> mean_tolerance;
   std::optional<std::string> scale;
+  std::optional<double> scale_limit;
   std::optional<int> max_iterations;
   std::optional<double> tolerance;
+  std::optional<std::string> acceleration;
+  std::optional<double> trim;
+  std::optional<double> distance_limit;
+  std::optional<std::string> align_boundary;
+  std::optional<std::string> correspondence;
+  std::optional<std::string> undersample;
+  std::optional<std::string> distance;
+  std::optional<std::string> boundary;
+  std::optional<std::string> retention;
+  std::optional<double> retention_budget_gb;
   std::optional<std::string> metric;
   std::optional<std::string> symmetrize;
   std::optional<int> neighbours;
@@ -29,6 +41,12 @@ struct JobFlags {
   void AddTo(CLI::App& command);
   /// @return kInvalidArgument naming the option and what was expected.
   [[nodiscard]] absl::StatusOr<JobSpec> ToSpec() const;
+
+ private:
+  void AddAlignmentOptionsTo(CLI::App& command);
+  void AddComparisonOptionsTo(CLI::App& command);
+  absl::Status SetAlignment(JobSpec& spec) const;
+  absl::Status SetComparison(JobSpec& spec) const;
 };
 
 }  // namespace cohort

@@ -8,76 +8,23 @@
 
 #include "common/base/byte_io.h"
 #include "common/base/status_macros.h"
+#include "common/jobs/blob_decoder.h"
 
 namespace cohort {
 namespace {
 
-constexpr std::string_view kAlignmentMagic = "COHALGN1";
+constexpr std::string_view kAlignmentMagic = "COHALGN2";
 constexpr std::string_view kDisplacementMagic = "COHDISP1";
 constexpr std::string_view kTileMagic = "COHTILE1";
 constexpr std::string_view kVariationMagic = "COHVARI1";
 constexpr std::string_view kSummaryMagic = "COHSUMM1";
+constexpr std::string_view kBaseMagic = "COHBASE1";
 
 constexpr uint64_t kAlignmentBytes =
-    2 * sizeof(int32_t) + 1 + sizeof(int64_t) + 15 * sizeof(double);
+    2 * sizeof(int32_t) + 2 + sizeof(int64_t) + 17 * sizeof(double);
 constexpr uint64_t kPointBytes = 3 * sizeof(double);
 constexpr uint64_t kValuesBytes = sizeof(MetricValues);
 constexpr uint64_t kBlockHeaderBytes = 3 * sizeof(uint64_t);
-
-/// A blob of a known kind being read: each step says what is wrong with the bytes.
-class BlobDecoder {
- public:
-  BlobDecoder(std::string_view kind, std::string_view bytes)
-      : kind_(kind), size_(bytes.size()), reader_(bytes) {}
-
-  [[nodiscard]] absl::Status Start(std::string_view magic) {
-    if (!reader_.Rest().starts_with(magic)) {
-      return Damaged(absl::StrCat("does not begin with ", std::string(magic)));
-    }
-    reader_ = ByteReader(reader_.Rest().substr(magic.size()));
-    return absl::OkStatus();
-  }
-  template <typename T>
-  [[nodiscard]] absl::Status Get(std::string_view what, T& value) {
-    return reader_.Get(value) ? absl::OkStatus() : CutShort(what);
-  }
-  template <typename T>
-  [[nodiscard]] absl::Status GetArray(std::string_view what, std::span<T> values) {
-    return reader_.GetArray(values) ? absl::OkStatus() : CutShort(what);
-  }
-  /// A count of things of `item_bytes` each, all of which must still be there: no memory is taken
-  /// for a count that the bytes cannot hold.
-  [[nodiscard]] absl::Status GetCount(std::string_view what, uint64_t item_bytes, uint64_t& count) {
-    COHORT_RETURN_IF_ERROR(Get(what, count));
-    return CheckRoom(what, count, item_bytes);
-  }
-  [[nodiscard]] absl::Status CheckRoom(std::string_view what, uint64_t count, uint64_t item_bytes) {
-    if (item_bytes != 0 && count > reader_.Remaining() / item_bytes) {
-      return Damaged(absl::StrCat("announces ", count, " ", std::string(what), " in the last ",
-                                  reader_.Remaining(), " bytes"));
-    }
-    return absl::OkStatus();
-  }
-  [[nodiscard]] absl::Status Finish() const {
-    if (reader_.Remaining() != 0) {
-      return Damaged(absl::StrCat(reader_.Remaining(), " bytes too many"));
-    }
-    return absl::OkStatus();
-  }
-  [[nodiscard]] absl::Status Damaged(std::string_view problem) const {
-    return absl::DataLossError(
-        absl::StrCat(std::string(kind_), " blob of ", size_, " bytes: ", std::string(problem)));
-  }
-
- private:
-  [[nodiscard]] absl::Status CutShort(std::string_view what) const {
-    return Damaged(absl::StrCat("cut short in ", std::string(what)));
-  }
-
-  std::string_view kind_;
-  size_t size_;
-  ByteReader reader_;
-};
 
 void PutAlignment(ByteWriter& writer, const MeshAlignment& item) {
   const Similarity& T = item.alignment.T_target_source;
@@ -87,6 +34,9 @@ void PutAlignment(ByteWriter& writer, const MeshAlignment& item) {
   writer.Put<int64_t>(item.alignment.lookups);
   writer.Put<double>(item.alignment.rms_residual);
   writer.Put<double>(item.alignment.mean_residual);
+  writer.Put<uint8_t>(item.alignment.at_scale_limit ? 1 : 0);
+  writer.Put<double>(item.alignment.overlap);
+  writer.Put<double>(item.alignment.kept_share);
   writer.Put<double>(T.scale);
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
@@ -101,12 +51,16 @@ void PutAlignment(ByteWriter& writer, const MeshAlignment& item) {
 absl::Status GetAlignment(BlobDecoder& blob, MeshAlignment& item) {
   Similarity& T = item.alignment.T_target_source;
   uint8_t converged = 0;
+  uint8_t at_scale_limit = 0;
   COHORT_RETURN_IF_ERROR(blob.Get("mesh index", item.mesh));
   COHORT_RETURN_IF_ERROR(blob.Get("iterations", item.alignment.iterations));
   COHORT_RETURN_IF_ERROR(blob.Get("converged", converged));
   COHORT_RETURN_IF_ERROR(blob.Get("lookups", item.alignment.lookups));
   COHORT_RETURN_IF_ERROR(blob.Get("rms", item.alignment.rms_residual));
   COHORT_RETURN_IF_ERROR(blob.Get("mean", item.alignment.mean_residual));
+  COHORT_RETURN_IF_ERROR(blob.Get("at scale limit", at_scale_limit));
+  COHORT_RETURN_IF_ERROR(blob.Get("overlap", item.alignment.overlap));
+  COHORT_RETURN_IF_ERROR(blob.Get("kept share", item.alignment.kept_share));
   COHORT_RETURN_IF_ERROR(blob.Get("scale", T.scale));
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
@@ -119,11 +73,12 @@ absl::Status GetAlignment(BlobDecoder& blob, MeshAlignment& item) {
   if (item.mesh < 0 || item.alignment.iterations < 0 || item.alignment.lookups < 0) {
     return blob.Damaged(absl::StrCat("negative number for mesh ", item.mesh));
   }
-  if (converged > 1) {
-    return blob.Damaged(
-        absl::StrCat("converged is ", static_cast<int>(converged), " for mesh ", item.mesh));
+  if (converged > 1 || at_scale_limit > 1) {
+    return blob.Damaged(absl::StrCat("flags are ", static_cast<int>(converged), " and ",
+                                     static_cast<int>(at_scale_limit), " for mesh ", item.mesh));
   }
   item.alignment.converged = converged == 1;
+  item.alignment.at_scale_limit = at_scale_limit == 1;
   return absl::OkStatus();
 }
 
@@ -317,6 +272,34 @@ absl::StatusOr<VariationSummary> DecodeSummaryBlob(std::string_view bytes) {
   COHORT_RETURN_IF_ERROR(GetValues(blob, n, summary.values));
   COHORT_RETURN_IF_ERROR(blob.Finish());
   return summary;
+}
+
+std::string EncodeBaseBlob(const BaseChoice& choice) {
+  ByteWriter writer;
+  writer.PutBytes(kBaseMagic);
+  writer.Put<int32_t>(choice.base);
+  writer.Put<uint64_t>(choice.candidates.size());
+  for (const BaseChoice::Candidate& candidate : choice.candidates) {
+    writer.Put<int32_t>(candidate.mesh);
+    writer.Put<double>(candidate.mean_distance);
+  }
+  return std::move(writer).Take();
+}
+
+absl::StatusOr<BaseChoice> DecodeBaseBlob(std::string_view bytes) {
+  BlobDecoder blob("base", bytes);
+  COHORT_RETURN_IF_ERROR(blob.Start(kBaseMagic));
+  BaseChoice choice;
+  uint64_t count = 0;
+  COHORT_RETURN_IF_ERROR(blob.Get("base", choice.base));
+  COHORT_RETURN_IF_ERROR(blob.GetCount("candidates", sizeof(int32_t) + sizeof(double), count));
+  choice.candidates.resize(count);
+  for (BaseChoice::Candidate& candidate : choice.candidates) {
+    COHORT_RETURN_IF_ERROR(blob.Get("mesh", candidate.mesh));
+    COHORT_RETURN_IF_ERROR(blob.Get("mean distance", candidate.mean_distance));
+  }
+  COHORT_RETURN_IF_ERROR(blob.Finish());
+  return choice;
 }
 
 }  // namespace cohort

@@ -23,8 +23,9 @@ struct MeshAlignment {
   int32_t mesh = 0;  ///< Index in the job.
   Alignment alignment;
 };
-/// "COHALGN1", uint64 count, count x { int32 mesh, int32 iterations, uint8 converged,
-/// int64 lookups, float64 rms, mean, scale, R (9, row by row), t (3) }.
+/// "COHALGN2", uint64 count, count x { int32 mesh, int32 iterations, uint8 converged,
+/// int64 lookups, float64 rms, mean, uint8 at_scale_limit, float64 overlap, kept_share, scale,
+/// R (9, row by row), t (3) }.
 [[nodiscard]] std::string EncodeAlignmentBlob(const std::vector<MeshAlignment>& alignments);
 [[nodiscard]] absl::StatusOr<std::vector<MeshAlignment>> DecodeAlignmentBlob(
     std::string_view bytes);
@@ -48,6 +49,20 @@ struct MetricBlock {
 /// sources, int32 targets, float64 values }.
 [[nodiscard]] std::string EncodeTileBlob(const std::vector<MetricBlock>& blocks);
 [[nodiscard]] absl::StatusOr<std::vector<MetricBlock>> DecodeTileBlob(std::string_view bytes);
+
+/// How the base mesh was chosen (BaseRule::kAuto).
+struct BaseChoice {
+  int32_t base = 0;  ///< Job index.
+  /// Of each mesh that was looked at: mean of its distances to the others, coarsely aligned.
+  struct Candidate {
+    int32_t mesh = 0;
+    double mean_distance = 0;
+  };
+  std::vector<Candidate> candidates;
+};
+/// "COHBASE1", int32 base, uint64 candidates, each { int32 mesh, float64 mean_distance }.
+[[nodiscard]] std::string EncodeBaseBlob(const BaseChoice& choice);
+[[nodiscard]] absl::StatusOr<BaseChoice> DecodeBaseBlob(std::string_view bytes);
 
 /// Distances of each reference vertex to some aligned meshes.
 struct VariationPart {

@@ -1,13 +1,12 @@
 #include "common/jobs/job_spec.h"
 
-#include <array>
 #include <cmath>
-#include <utility>
 
 #include <absl/strings/str_cat.h>
 #include <nlohmann/json.hpp>
 
 #include "common/base/status_macros.h"
+#include "common/jobs/job_spec_names.h"
 #include "common/jobs/json_fields.h"
 
 namespace cohort {
@@ -16,46 +15,6 @@ namespace {
 constexpr int kMaxRounds = 100;
 constexpr int kMinPositionBits = 8;
 constexpr int kMaxPositionBits = 30;
-
-template <typename T, size_t kSize>
-using Names = std::array<std::pair<T, std::string_view>, kSize>;
-
-constexpr Names<Method, 4> kMethods = {{{Method::kAverage, "average"},
-                                        {Method::kOne, "one"},
-                                        {Method::kEach, "each"},
-                                        {Method::kNone, "none"}}};
-constexpr Names<PoseMode, 2> kPoseModes = {
-    {{PoseMode::kPrincipalAxes, "principal-axes"}, {PoseMode::kNone, "none"}}};
-constexpr Names<Symmetrization, 3> kSymmetrizations = {{{Symmetrization::kMean, "mean"},
-                                                        {Symmetrization::kMax, "max"},
-                                                        {Symmetrization::kDirected, "directed"}}};
-constexpr Names<ScaleMode, 3> kScaleModes = {{{ScaleMode::kOff, "off"},
-                                              {ScaleMode::kFree, "least-squares"},
-                                              {ScaleMode::kSymmetric, "symmetric"}}};
-
-template <typename T, size_t kSize>
-std::string_view NameOf(const Names<T, kSize>& names, T value) {
-  for (const auto& [candidate, name] : names) {
-    if (candidate == value) {
-      return name;
-    }
-  }
-  return "unknown";
-}
-
-template <typename T, size_t kSize>
-std::optional<T> FromName(const Names<T, kSize>& names, std::string_view name) {
-  for (const auto& [value, candidate] : names) {
-    if (candidate == name) {
-      return value;
-    }
-  }
-  return std::nullopt;
-}
-
-std::optional<ScaleMode> ScaleModeFromName(std::string_view name) {
-  return FromName(kScaleModes, name);
-}
 
 template <typename T>
 absl::Status Refused(std::string_view field, T value, std::string_view expected) {
@@ -68,6 +27,15 @@ absl::Status Refused(std::string_view field, T value, std::string_view expected)
 absl::Status JobSpec::Validate() const {
   if (rounds < 1 || rounds > kMaxRounds) {
     return Refused("rounds", rounds, absl::StrCat("1 to ", kMaxRounds));
+  }
+  if (base_rule == BaseRule::kAuto && !base.empty()) {
+    return Refused("base", absl::StrCat("\"", base, "\""), "none with the base rule \"auto\"");
+  }
+  if (!std::isfinite(mean_tolerance) || mean_tolerance < 0) {
+    return Refused("mean_tolerance", mean_tolerance, "at least 0");
+  }
+  if (retention_budget < 0) {
+    return Refused("retention_budget", retention_budget, "at least 0 bytes");
   }
   if (neighbours < 1) {
     return Refused("neighbours", neighbours, "at least 1");
@@ -84,6 +52,10 @@ absl::Status JobSpec::Validate() const {
     return absl::InvalidArgumentError(
         absl::StrCat("job spec: icp: ", std::string(status.message())));
   }
+  if (absl::Status status = undersampling.Validate(); !status.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("job spec: undersampling: ", std::string(status.message())));
+  }
   return absl::OkStatus();
 }
 
@@ -98,6 +70,8 @@ absl::StatusOr<JobSpec> PresetSpec(std::string_view preset, Method method) {
     spec.icp.max_iterations = one_pass ? 40 : 10;
     spec.icp.tolerance = 0.05;
     spec.icp.scale_mode = ScaleMode::kFree;
+    spec.icp.rigid_first = false;
+    spec.icp.acceleration = Acceleration::kNone;
     spec.rounds = 3;
     return spec;
   }
@@ -105,34 +79,35 @@ absl::StatusOr<JobSpec> PresetSpec(std::string_view preset, Method method) {
       absl::StrCat("preset is \"", std::string(preset), "\", expected default or thesis"));
 }
 
-std::string_view MethodName(Method method) {
-  return NameOf(kMethods, method);
-}
-std::optional<Method> MethodFromName(std::string_view name) {
-  return FromName(kMethods, name);
-}
-std::string_view PoseModeName(PoseMode pose) {
-  return NameOf(kPoseModes, pose);
-}
-std::optional<PoseMode> PoseModeFromName(std::string_view name) {
-  return FromName(kPoseModes, name);
-}
-std::string_view SymmetrizationName(Symmetrization value) {
-  return NameOf(kSymmetrizations, value);
-}
-std::optional<Symmetrization> SymmetrizationFromName(std::string_view name) {
-  return FromName(kSymmetrizations, name);
-}
-
 nlohmann::json ToJson(const JobSpec& spec) {
   return {{"method", MethodName(spec.method)},
+          {"base_rule", BaseRuleName(spec.base_rule)},
           {"base", spec.base},
           {"rounds", spec.rounds},
+          {"mean_tolerance", spec.mean_tolerance},
           {"pose", PoseModeName(spec.pose)},
           {"icp",
-           {{"scale", NameOf(kScaleModes, spec.icp.scale_mode)},
+           {{"scale", ScaleModeName(spec.icp.scale_mode)},
+            {"scale_limit", spec.icp.scale_limit},
+            {"rigid_first", spec.icp.rigid_first},
             {"max_iterations", spec.icp.max_iterations},
-            {"tolerance", spec.icp.tolerance}}},
+            {"tolerance", spec.icp.tolerance},
+            {"acceleration", AccelerationName(spec.icp.acceleration)},
+            {"trimmed_share", spec.icp.trimmed_share},
+            {"distance_limit", spec.icp.distance_limit},
+            {"boundary_pairs", BoundaryPairsName(spec.icp.boundary_pairs)},
+            {"correspondence", CorrespondenceName(spec.icp.correspondence)}}},
+          {"undersampling",
+           {{"method", UndersamplingName(spec.undersampling.method)},
+            {"count", spec.undersampling.count},
+            {"share", spec.undersampling.share},
+            {"radius", spec.undersampling.radius},
+            {"seed", static_cast<int64_t>(spec.undersampling.seed)}}},
+          {"compare",
+           {{"correspondence", CorrespondenceName(spec.compare.correspondence)},
+            {"boundary_pairs", BoundaryPairsName(spec.compare.boundary_pairs)},
+            {"retention", RetentionName(spec.compare.retention)}}},
+          {"retention_budget", spec.retention_budget},
           {"metric", MetricName(spec.metric)},
           {"symmetrization", SymmetrizationName(spec.symmetrization)},
           {"neighbours", spec.neighbours},
@@ -140,18 +115,53 @@ nlohmann::json ToJson(const JobSpec& spec) {
           {"size_ratio_limit", spec.size_ratio_limit}};
 }
 
+namespace {
+
+void ReadIcp(JsonFields& fields, IcpOptions& icp) {
+  fields.ReadName("scale", ScaleModeFromName, icp.scale_mode);
+  fields.Read("scale_limit", icp.scale_limit);
+  fields.Read("rigid_first", icp.rigid_first);
+  fields.Read("max_iterations", icp.max_iterations);
+  fields.Read("tolerance", icp.tolerance);
+  fields.ReadName("acceleration", AccelerationFromName, icp.acceleration);
+  fields.Read("trimmed_share", icp.trimmed_share);
+  fields.Read("distance_limit", icp.distance_limit);
+  fields.ReadName("boundary_pairs", BoundaryPairsFromName, icp.boundary_pairs);
+  fields.ReadName("correspondence", CorrespondenceFromName, icp.correspondence);
+}
+
+void ReadUndersampling(JsonFields& fields, UndersamplingOptions& undersampling) {
+  auto seed = static_cast<int64_t>(undersampling.seed);
+  fields.ReadName("method", UndersamplingFromName, undersampling.method);
+  fields.Read("count", undersampling.count);
+  fields.Read("share", undersampling.share);
+  fields.Read("radius", undersampling.radius);
+  fields.Read("seed", seed);
+  undersampling.seed = static_cast<uint64_t>(seed);
+}
+
+void ReadCompare(JsonFields& fields, CompareOptions& compare) {
+  fields.ReadName("correspondence", CorrespondenceFromName, compare.correspondence);
+  fields.ReadName("boundary_pairs", BoundaryPairsFromName, compare.boundary_pairs);
+  fields.ReadName("retention", RetentionFromName, compare.retention);
+}
+
+}  // namespace
+
 absl::StatusOr<JobSpec> JobSpecFromJson(const nlohmann::json& json) {
   JobSpec spec;
   JsonFields fields(json, "job spec", absl::StatusCode::kInvalidArgument, Presence::kOptional);
   fields.ReadName("method", MethodFromName, spec.method);
+  fields.ReadName("base_rule", BaseRuleFromName, spec.base_rule);
   fields.Read("base", spec.base);
   fields.Read("rounds", spec.rounds);
+  fields.Read("mean_tolerance", spec.mean_tolerance);
   fields.ReadName("pose", PoseModeFromName, spec.pose);
-  fields.ReadObject("icp", [&spec](JsonFields& icp) {
-    icp.ReadName("scale", ScaleModeFromName, spec.icp.scale_mode);
-    icp.Read("max_iterations", spec.icp.max_iterations);
-    icp.Read("tolerance", spec.icp.tolerance);
-  });
+  fields.ReadObject("icp", [&spec](JsonFields& icp) { ReadIcp(icp, spec.icp); });
+  fields.ReadObject("undersampling",
+                    [&spec](JsonFields& item) { ReadUndersampling(item, spec.undersampling); });
+  fields.ReadObject("compare", [&spec](JsonFields& item) { ReadCompare(item, spec.compare); });
+  fields.Read("retention_budget", spec.retention_budget);
   fields.ReadName("metric", MetricFromName, spec.metric);
   fields.ReadName("symmetrization", SymmetrizationFromName, spec.symmetrization);
   fields.Read("neighbours", spec.neighbours);

@@ -10,6 +10,7 @@
 
 #include "common/geometry/comparison/metrics.h"
 #include "common/geometry/registration/scaling_icp.h"
+#include "common/geometry/registration/undersampling.h"
 
 namespace cohort {
 
@@ -24,6 +25,29 @@ enum class Method {
 /// How a mesh is brought near the reference before ICP.
 enum class PoseMode { kPrincipalAxes, kNone };
 
+/// Which mesh is the first reference.
+enum class BaseRule {
+  kGiven,  ///< JobSpec::base.
+  kAuto,   ///< The one with the least sum of distances to the others, in a cheap pre-pass.
+};
+
+/// What is kept of the distances of every directed pair, besides its metrics.
+enum class Retention {
+  kVectors,  ///< All, bit by bit: 3.2 bytes a vertex.
+  kCompact,  ///< All, to 1 um: 1.5 bytes a vertex.
+  kSketch,   ///< Totals and a histogram: 0.5 KB.
+  kMetrics,  ///< Nothing: the 7 metrics, 56 bytes.
+  kAuto,     ///< The richest that fits JobSpec::retention_budget.
+};
+
+/// How the distances of a pair are measured.
+struct CompareOptions {
+  Correspondence correspondence = Correspondence::kVertex;
+  BoundaryPairs boundary_pairs = BoundaryPairs::kKeep;
+  Retention retention = Retention::kAuto;  ///< In a task never kAuto.
+  friend bool operator==(const CompareOptions&, const CompareOptions&) = default;
+};
+
 /// How the two directed values of a pair become one.
 enum class Symmetrization {
   kMean,      ///< (m_ij + m_ji) / 2, as the predecessor.
@@ -34,10 +58,17 @@ enum class Symmetrization {
 /// Everything that determines the numbers of a job, apart from its meshes.
 struct JobSpec {
   Method method = Method::kAverage;
+  BaseRule base_rule = BaseRule::kGiven;
   std::string base;  ///< Mesh name of the first reference; empty: the first usable mesh by name.
   int rounds = 3;    ///< M, updates of the mean shape (method average), 1..100.
+  /// No further rounds once a round moved the mean shape by no more than this (RMS over its
+  /// vertices, mesh units). 0: all rounds run.
+  double mean_tolerance = 0;
   PoseMode pose = PoseMode::kPrincipalAxes;
   IcpOptions icp;
+  UndersamplingOptions undersampling;  ///< Of the moving meshes, in every alignment.
+  CompareOptions compare;
+  int64_t retention_budget = int64_t{2} << 30;  ///< Bytes for Retention::kAuto.
   Metric metric = Metric::kRms;
   Symmetrization symmetrization = Symmetrization::kMean;
   int neighbours = 3;      ///< Most similar faces listed per face, >= 1.
@@ -50,8 +81,8 @@ struct JobSpec {
   [[nodiscard]] absl::Status Validate() const;
 };
 
-/// "default" or "thesis" (I = 10 per round, e = 0.05, M = 3, scaling on; for one and each I = 40,
-/// as the thesis's tables use). `method` is set too.
+/// "default"; "thesis" (I = 10 per round, e = 0.05, M = 3, least-squares scale, plain ICP; for one
+/// and each I = 40, as the thesis's tables use). `method` is set too.
 /// @return kInvalidArgument listing the presets.
 [[nodiscard]] absl::StatusOr<JobSpec> PresetSpec(std::string_view preset, Method method);
 
@@ -62,6 +93,20 @@ struct JobSpec {
 [[nodiscard]] std::string_view SymmetrizationName(
     Symmetrization value);  ///< "mean", "max", "directed".
 [[nodiscard]] std::optional<Symmetrization> SymmetrizationFromName(std::string_view name);
+
+[[nodiscard]] std::string_view BaseRuleName(BaseRule rule);  ///< "given", "auto".
+/// "vectors", "compact", "sketch", "metrics", "auto".
+[[nodiscard]] std::string_view RetentionName(Retention retention);
+[[nodiscard]] std::optional<Retention> RetentionFromName(std::string_view name);
+[[nodiscard]] std::string_view CorrespondenceName(Correspondence value);  ///< "vertex", "surface".
+[[nodiscard]] std::optional<Correspondence> CorrespondenceFromName(std::string_view name);
+[[nodiscard]] std::string_view BoundaryPairsName(BoundaryPairs value);  ///< "keep", "reject".
+[[nodiscard]] std::optional<BoundaryPairs> BoundaryPairsFromName(std::string_view name);
+[[nodiscard]] std::string_view AccelerationName(Acceleration value);  ///< "none", "anderson".
+[[nodiscard]] std::optional<Acceleration> AccelerationFromName(std::string_view name);
+/// "none", "random", "disk", "curvature".
+[[nodiscard]] std::string_view UndersamplingName(UndersamplingMethod method);
+[[nodiscard]] std::optional<UndersamplingMethod> UndersamplingFromName(std::string_view name);
 
 /// As kept in the catalog and shown in job.json.
 [[nodiscard]] nlohmann::json ToJson(const JobSpec& spec);

@@ -50,10 +50,9 @@ std::optional<JobState> JobStateFromName(std::string_view name) {
 }
 
 nlohmann::json ToJson(const JobOutputs& outputs) {
-  return {{"tiles", ToJson(outputs.tiles)},
-          {"alignments", ToJson(outputs.alignments)},
-          {"mean_shape", outputs.mean_shape.Hex()},
-          {"summary", outputs.summary.Hex()}};
+  return {{"tiles", ToJson(outputs.tiles)},         {"alignments", ToJson(outputs.alignments)},
+          {"mean_shape", outputs.mean_shape.Hex()}, {"summary", outputs.summary.Hex()},
+          {"fields", ToJson(outputs.fields)},       {"base_choice", outputs.base_choice.Hex()}};
 }
 
 absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
@@ -63,6 +62,8 @@ absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
   fields.Read("alignments", outputs.alignments);
   fields.Read("mean_shape", outputs.mean_shape);
   fields.Read("summary", outputs.summary);
+  fields.Read("fields", outputs.fields);
+  fields.Read("base_choice", outputs.base_choice);
   COHORT_RETURN_IF_ERROR(fields.Finish());
   return outputs;
 }

@@ -44,6 +44,8 @@ struct JobOutputs {
   std::vector<Digest> alignments;  ///< Alignment blobs to the final reference (each: to the base).
   Digest mean_shape;               ///< Mesh blob.
   Digest summary;                  ///< Summary blob: per-vertex metrics on the mean shape.
+  std::vector<Digest> fields;      ///< Field blobs: what is kept of the distances.
+  Digest base_choice;              ///< Base blob, if the base was chosen; else empty.
 };
 
 /// A mesh of a job and what became of it.

@@ -86,6 +86,8 @@ std::string_view TaskKindName(TaskKind kind) {
       return "variation";
     case TaskKind::kSummarize:
       return "summarize";
+    case TaskKind::kChooseBase:
+      return "choose-base";
   }
   return "unknown";
 }
@@ -133,9 +135,15 @@ json ToJson(const TaskResult& result) {
   for (const MeshRejection& rejection : result.rejections) {
     rejections.push_back(ToJson(rejection));
   }
-  return {{"output", result.output.Hex()},       {"second_output", result.second_output.Hex()},
-          {"ingested", std::move(ingested)},     {"rejections", std::move(rejections)},
-          {"counters", ToJson(result.counters)}, {"seconds", result.seconds}};
+  return {{"output", result.output.Hex()},
+          {"second_output", result.second_output.Hex()},
+          {"ingested", std::move(ingested)},
+          {"rejections", std::move(rejections)},
+          {"counters", ToJson(result.counters)},
+          {"seconds", result.seconds},
+          {"fields", result.fields.Hex()},
+          {"change", result.change},
+          {"base", result.base}};
 }
 
 absl::StatusOr<TaskResult> TaskResultFromJson(const json& json) {
@@ -154,6 +162,9 @@ absl::StatusOr<TaskResult> TaskResultFromJson(const json& json) {
   fields.ReadObject("counters",
                     [&result](JsonFields& counters) { ReadCounters(counters, result.counters); });
   fields.Read("seconds", result.seconds);
+  fields.Read("fields", result.fields);
+  fields.Read("change", result.change);
+  fields.Read("base", result.base);
   COHORT_RETURN_IF_ERROR(fields.Finish());
   return result;
 }

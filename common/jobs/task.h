@@ -24,8 +24,9 @@ enum class TaskKind : uint8_t {
   kAverage,  ///< reference, partial sums -> next reference
   kCompare,  ///< two blocks of aligned meshes -> all metrics of their pairs, both directions
   kAlignAndCompare,  ///< one target, all sources -> alignments, metrics (method each)
-  kVariation,  ///< reference, aligned meshes -> distances of each reference vertex to each mesh
-  kSummarize,  ///< variation blobs -> per-vertex metrics, mean shape
+  kVariation,   ///< reference, aligned meshes -> distances of each reference vertex to each mesh
+  kSummarize,   ///< variation blobs -> per-vertex metrics, mean shape
+  kChooseBase,  ///< all meshes -> the one nearest to all others, a base blob
 };
 [[nodiscard]] std::string_view TaskKindName(TaskKind kind);  ///< "ingest", "pose", "align", ...
 
@@ -54,6 +55,8 @@ struct Task {
   std::vector<Digest> partials;  ///< kAverage: displacement blobs, kSummarize: variation blobs.
 
   IcpOptions icp;                       ///< kAlign, kAlignAndCompare.
+  UndersamplingOptions undersampling;   ///< kAlign, kAlignAndCompare.
+  CompareOptions compare;               ///< kCompare, kAlignAndCompare.
   int position_bits = 18;               ///< kIngest.
   bool wants_displacement = false;      ///< kAlign: also write the partial displacement sum.
   bool counts_reference_index = false;  ///< The first task of a stage counts the index that all of
@@ -110,6 +113,9 @@ struct TaskResult {
   Digest output;
   Digest second_output;  ///< kAlign: displacement blob, if wanted. kAlignAndCompare: alignment
                          ///< blob. kSummarize: mean shape as mesh blob.
+  Digest fields;      ///< kCompare, kAlignAndCompare: what is kept of the distances; empty: none.
+  int32_t base = -1;  ///< kChooseBase: index of the mesh.
+  double change = 0;  ///< kAverage: RMS over the vertices of how far the reference moved.
   std::vector<IngestedMesh> ingested;     ///< kIngest.
   std::vector<MeshRejection> rejections;  ///< kIngest, kPose, kAlign.
   Counters counters;

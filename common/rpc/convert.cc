@@ -5,13 +5,10 @@
 
 #include "common/base/status_macros.h"
 #include "common/rpc/convert_enums.h"
+#include "common/rpc/convert_spec.h"
 
 namespace cohort {
 namespace {
-
-absl::StatusOr<Digest> OptionalDigest(const std::string& hex) {
-  return hex.empty() ? absl::StatusOr<Digest>(Digest()) : Digest::FromHex(hex);
-}
 
 absl::StatusOr<std::array<double, 3>> PointFromProto(
     const google::protobuf::RepeatedField<double>& wire, const char* field) {
@@ -124,40 +121,6 @@ absl::StatusOr<std::vector<Digest>> FromProto(
 }
 
 }  // namespace
-
-v1::JobSpec ToProto(const JobSpec& spec) {
-  v1::JobSpec wire;
-  wire.set_method(ToProto(spec.method));
-  wire.set_base(spec.base);
-  wire.set_rounds(spec.rounds);
-  wire.set_pose(ToProto(spec.pose));
-  wire.set_scale(ToProto(spec.icp.scale_mode));
-  wire.set_max_iterations(spec.icp.max_iterations);
-  wire.set_tolerance(spec.icp.tolerance);
-  wire.set_metric(ToProto(spec.metric));
-  wire.set_symmetrization(ToProto(spec.symmetrization));
-  wire.set_neighbours(spec.neighbours);
-  wire.set_position_bits(spec.position_bits);
-  wire.set_size_ratio_limit(spec.size_ratio_limit);
-  return wire;
-}
-
-absl::StatusOr<JobSpec> FromProto(const v1::JobSpec& wire) {
-  JobSpec spec;
-  COHORT_ASSIGN_OR_RETURN(spec.method, FromProto(wire.method()));
-  spec.base = wire.base();
-  spec.rounds = wire.rounds();
-  COHORT_ASSIGN_OR_RETURN(spec.pose, FromProto(wire.pose()));
-  COHORT_ASSIGN_OR_RETURN(spec.icp.scale_mode, FromProto(wire.scale()));
-  spec.icp.max_iterations = wire.max_iterations();
-  spec.icp.tolerance = wire.tolerance();
-  COHORT_ASSIGN_OR_RETURN(spec.metric, FromProto(wire.metric()));
-  COHORT_ASSIGN_OR_RETURN(spec.symmetrization, FromProto(wire.symmetrization()));
-  spec.neighbours = wire.neighbours();
-  spec.position_bits = wire.position_bits();
-  spec.size_ratio_limit = wire.size_ratio_limit();
-  return spec;
-}
 
 v1::Counters ToProto(const Counters& counters) {
   v1::Counters wire;
@@ -306,9 +269,9 @@ v1::Task ToProto(const Task& task) {
   for (const Digest& digest : task.partials) {
     wire.add_partial_sha256(digest.Hex());
   }
-  wire.set_scale(ToProto(task.icp.scale_mode));
-  wire.set_max_iterations(task.icp.max_iterations);
-  wire.set_tolerance(task.icp.tolerance);
+  *wire.mutable_icp() = ToProto(task.icp);
+  *wire.mutable_undersampling() = ToProto(task.undersampling);
+  *wire.mutable_compare() = ToProto(task.compare);
   wire.set_position_bits(task.position_bits);
   wire.set_wants_displacement(task.wants_displacement);
   wire.set_counts_reference_index(task.counts_reference_index);
@@ -328,9 +291,9 @@ absl::StatusOr<Task> FromProto(const v1::Task& wire) {
   COHORT_ASSIGN_OR_RETURN(task.reference, OptionalDigest(wire.reference_sha256()));
   COHORT_ASSIGN_OR_RETURN(task.alignments, FromProto(wire.alignment_sha256()));
   COHORT_ASSIGN_OR_RETURN(task.partials, FromProto(wire.partial_sha256()));
-  COHORT_ASSIGN_OR_RETURN(task.icp.scale_mode, FromProto(wire.scale()));
-  task.icp.max_iterations = wire.max_iterations();
-  task.icp.tolerance = wire.tolerance();
+  COHORT_ASSIGN_OR_RETURN(task.icp, FromProto(wire.icp()));
+  COHORT_ASSIGN_OR_RETURN(task.undersampling, FromProto(wire.undersampling()));
+  COHORT_ASSIGN_OR_RETURN(task.compare, FromProto(wire.compare()));
   task.position_bits = wire.position_bits();
   task.wants_displacement = wire.wants_displacement();
   task.counts_reference_index = wire.counts_reference_index();
@@ -353,6 +316,9 @@ v1::TaskResult ToProto(const TaskResult& result) {
   }
   *wire.mutable_counters() = ToProto(result.counters);
   wire.set_seconds(result.seconds);
+  wire.set_fields_sha256(result.fields.Hex());
+  wire.set_change(result.change);
+  wire.set_base(result.base);
   return wire;
 }
 
@@ -369,6 +335,9 @@ absl::StatusOr<TaskResult> FromProto(const v1::TaskResult& wire) {
   }
   result.counters = FromProto(wire.counters());
   result.seconds = wire.seconds();
+  COHORT_ASSIGN_OR_RETURN(result.fields, OptionalDigest(wire.fields_sha256()));
+  result.change = wire.change();
+  result.base = wire.base();
   return result;
 }
 

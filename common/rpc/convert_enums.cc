@@ -28,7 +28,14 @@ static_assert(static_cast<int>(ScaleMode::kSymmetric) + 1 == v1::SCALE_MODE_SYMM
 static_assert(static_cast<int>(Metric::kPercentile75) + 1 == v1::METRIC_PERCENTILE_75);
 static_assert(static_cast<int>(Symmetrization::kDirected) + 1 == v1::SYMMETRIZATION_DIRECTED);
 static_assert(static_cast<int>(JobState::kCancelled) + 1 == v1::JOB_STATE_CANCELLED);
-static_assert(static_cast<int>(TaskKind::kSummarize) + 1 == v1::TASK_KIND_SUMMARIZE);
+static_assert(static_cast<int>(TaskKind::kChooseBase) + 1 == v1::TASK_KIND_CHOOSE_BASE);
+static_assert(static_cast<int>(BaseRule::kAuto) + 1 == v1::BASE_RULE_AUTO);
+static_assert(static_cast<int>(Acceleration::kAnderson) + 1 == v1::ACCELERATION_ANDERSON);
+static_assert(static_cast<int>(BoundaryPairs::kReject) + 1 == v1::BOUNDARY_PAIRS_REJECT);
+static_assert(static_cast<int>(Correspondence::kSurface) + 1 == v1::CORRESPONDENCE_SURFACE);
+static_assert(static_cast<int>(UndersamplingMethod::kCurvature) + 1 ==
+              v1::UNDERSAMPLING_METHOD_CURVATURE);
+static_assert(static_cast<int>(Retention::kAuto) + 1 == v1::RETENTION_AUTO);
 
 }  // namespace
 
@@ -73,7 +80,43 @@ absl::StatusOr<JobState> FromProto(v1::JobState wire) {
   return Unshift(wire, JobState::kCancelled, "state");
 }
 absl::StatusOr<TaskKind> FromProto(v1::TaskKind wire) {
-  return Unshift(wire, TaskKind::kSummarize, "kind");
+  return Unshift(wire, TaskKind::kChooseBase, "kind");
+}
+v1::BaseRule ToProto(BaseRule value) {
+  return Shift<v1::BaseRule>(value);
+}
+absl::StatusOr<BaseRule> FromProto(v1::BaseRule wire) {
+  return Unshift(wire, BaseRule::kAuto, "base rule");
+}
+v1::Acceleration ToProto(Acceleration value) {
+  return Shift<v1::Acceleration>(value);
+}
+absl::StatusOr<Acceleration> FromProto(v1::Acceleration wire) {
+  return Unshift(wire, Acceleration::kAnderson, "acceleration");
+}
+v1::BoundaryPairs ToProto(BoundaryPairs value) {
+  return Shift<v1::BoundaryPairs>(value);
+}
+absl::StatusOr<BoundaryPairs> FromProto(v1::BoundaryPairs wire) {
+  return Unshift(wire, BoundaryPairs::kReject, "boundary pairs");
+}
+v1::Correspondence ToProto(Correspondence value) {
+  return Shift<v1::Correspondence>(value);
+}
+absl::StatusOr<Correspondence> FromProto(v1::Correspondence wire) {
+  return Unshift(wire, Correspondence::kSurface, "correspondence");
+}
+v1::UndersamplingMethod ToProto(UndersamplingMethod value) {
+  return Shift<v1::UndersamplingMethod>(value);
+}
+absl::StatusOr<UndersamplingMethod> FromProto(v1::UndersamplingMethod wire) {
+  return Unshift(wire, UndersamplingMethod::kCurvature, "undersampling method");
+}
+v1::Retention ToProto(Retention value) {
+  return Shift<v1::Retention>(value);
+}
+absl::StatusOr<Retention> FromProto(v1::Retention wire) {
+  return Unshift(wire, Retention::kAuto, "retention");
 }
 
 }  // namespace cohort

@@ -17,6 +17,12 @@ namespace cohort {
 [[nodiscard]] v1::ScaleMode ToProto(ScaleMode scale);
 [[nodiscard]] v1::Metric ToProto(Metric metric);
 [[nodiscard]] v1::Symmetrization ToProto(Symmetrization symmetrization);
+[[nodiscard]] v1::BaseRule ToProto(BaseRule value);
+[[nodiscard]] v1::Acceleration ToProto(Acceleration value);
+[[nodiscard]] v1::BoundaryPairs ToProto(BoundaryPairs value);
+[[nodiscard]] v1::Correspondence ToProto(Correspondence value);
+[[nodiscard]] v1::UndersamplingMethod ToProto(UndersamplingMethod value);
+[[nodiscard]] v1::Retention ToProto(Retention value);
 [[nodiscard]] v1::JobState ToProto(JobState state);
 [[nodiscard]] v1::TaskKind ToProto(TaskKind kind);
 
@@ -25,6 +31,12 @@ namespace cohort {
 [[nodiscard]] absl::StatusOr<ScaleMode> FromProto(v1::ScaleMode wire);
 [[nodiscard]] absl::StatusOr<Metric> FromProto(v1::Metric wire);
 [[nodiscard]] absl::StatusOr<Symmetrization> FromProto(v1::Symmetrization wire);
+[[nodiscard]] absl::StatusOr<BaseRule> FromProto(v1::BaseRule wire);
+[[nodiscard]] absl::StatusOr<Acceleration> FromProto(v1::Acceleration wire);
+[[nodiscard]] absl::StatusOr<BoundaryPairs> FromProto(v1::BoundaryPairs wire);
+[[nodiscard]] absl::StatusOr<Correspondence> FromProto(v1::Correspondence wire);
+[[nodiscard]] absl::StatusOr<UndersamplingMethod> FromProto(v1::UndersamplingMethod wire);
+[[nodiscard]] absl::StatusOr<Retention> FromProto(v1::Retention wire);
 [[nodiscard]] absl::StatusOr<JobState> FromProto(v1::JobState wire);
 [[nodiscard]] absl::StatusOr<TaskKind> FromProto(v1::TaskKind wire);
 

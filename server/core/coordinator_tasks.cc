@@ -230,7 +230,7 @@ absl::StatusOr<std::vector<GrantedTask>> Coordinator::GrantTasks(const WorkerId&
 }
 
 absl::Status Coordinator::CheckOutputs(const TaskResult& result) {
-  std::vector<Digest> outputs = {result.output, result.second_output};
+  std::vector<Digest> outputs = {result.output, result.second_output, result.fields};
   for (const IngestedMesh& mesh : result.ingested) {
     outputs.push_back(mesh.blob);
   }

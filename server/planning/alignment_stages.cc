@@ -11,8 +11,10 @@ namespace {
 
 constexpr double kPoseSecondsPerVertex = 1e-6;
 constexpr double kAverageSecondsPerVertex = 1e-8;
-constexpr double kSecondsPerLookup = 2.5e-7;
-constexpr int kExpectedIterations = 60;  ///< Most alignments have converged by then.
+constexpr double kChooseSecondsPerMesh = 0.03;
+constexpr double kChooseSecondsPerPair = 1e-5;
+constexpr double kSecondsPerLookup = 1.5e-8;
+constexpr int kExpectedIterations = 35;  ///< Most alignments have converged by then.
 
 const Batch& BatchAt(const PlanState& state, int64_t task) {
   return state.batches[static_cast<size_t>(task)];
@@ -87,18 +89,27 @@ class AlignStage final : public Stage {
     }
     return lookups * kSecondsPerLookup;
   }
+  [[nodiscard]] bool IsKnown(const PlanState& state, int64_t /*task*/) const override {
+    return IsSkipped(state);
+  }
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
     Task made = MakeBatchTask(TaskKind::kAlign, state, task);
     made.icp = state.spec.icp;
+    made.undersampling = state.spec.undersampling;
     made.wants_displacement = displacement_ == Displacement::kWanted;
     return made;
   }
   [[nodiscard]] absl::Status Absorb(PlanState& state,
                                     std::span<const TaskResult> results) const override {
-    return AbsorbAlignments(state, results);
+    return IsSkipped(state) ? absl::OkStatus() : AbsorbAlignments(state, results);
   }
 
  private:
+  /// A round that the mean shape no longer needs; the last alignment always runs.
+  [[nodiscard]] bool IsSkipped(const PlanState& state) const {
+    return state.mean_has_settled && displacement_ == Displacement::kWanted;
+  }
+
   std::string name_;
   Displacement displacement_;
 };
@@ -113,6 +124,9 @@ class AverageStage final : public Stage {
     return state.VerticesOf(state.base) * static_cast<double>(state.batches.size()) *
            kAverageSecondsPerVertex;
   }
+  [[nodiscard]] bool IsKnown(const PlanState& state, int64_t /*task*/) const override {
+    return state.mean_has_settled;
+  }
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t /*task*/) const override {
     Task made;
     made.kind = TaskKind::kAverage;
@@ -124,7 +138,11 @@ class AverageStage final : public Stage {
   }
   [[nodiscard]] absl::Status Absorb(PlanState& state,
                                     std::span<const TaskResult> results) const override {
-    state.reference = results.front().output;
+    if (!state.mean_has_settled) {
+      state.reference = results.front().output;
+      const double tolerance = state.spec.mean_tolerance;
+      state.mean_has_settled = tolerance > 0 && results.front().change <= tolerance;
+    }
     return absl::OkStatus();
   }
 
@@ -132,7 +150,36 @@ class AverageStage final : public Stage {
   std::string name_;
 };
 
+/// Base rule auto: one task that sees all meshes.
+class ChooseBaseStage final : public Stage {
+ public:
+  [[nodiscard]] std::string Name() const override { return "base"; }
+  [[nodiscard]] int64_t TaskCount(const PlanState& /*state*/) const override { return 1; }
+  [[nodiscard]] double TaskCost(const PlanState& state, int64_t /*task*/) const override {
+    const auto meshes = static_cast<double>(state.ActiveCount());
+    return meshes * kChooseSecondsPerMesh + meshes * meshes * kChooseSecondsPerPair;
+  }
+  [[nodiscard]] Task MakeTask(const PlanState& state, int64_t /*task*/) const override {
+    Task made;
+    made.kind = TaskKind::kChooseBase;
+    made.meshes = state.TaskMeshes(state.active);
+    made.icp = state.spec.icp;
+    return made;
+  }
+  [[nodiscard]] absl::Status Absorb(PlanState& state,
+                                    std::span<const TaskResult> results) const override {
+    state.base = results.front().base;
+    state.reference = state.meshes[static_cast<size_t>(state.base)].ingested->blob;
+    state.outputs.base_choice = results.front().output;
+    return absl::OkStatus();
+  }
+};
+
 }  // namespace
+
+std::unique_ptr<const Stage> MakeChooseBaseStage() {
+  return std::make_unique<ChooseBaseStage>();
+}
 
 std::unique_ptr<const Stage> MakePoseStage() {
   return std::make_unique<PoseStage>();

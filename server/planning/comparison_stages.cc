@@ -7,10 +7,12 @@
 namespace cohort {
 namespace {
 
-constexpr double kSecondsPerLookup = 3e-7;
-constexpr int kExpectedIterations = 60;
-constexpr int64_t kBlocksPerSide = 12;  ///< Enough tiles to keep some dozens of workers busy,
-constexpr int64_t kMaxBlockSize = 32;   ///< more if they would grow beyond this.
+constexpr double kSecondsPerLookup = 1.8e-8;
+constexpr int kExpectedIterations = 35;
+constexpr int64_t kBlocksPerSide = 24;      ///< Tiles for some hundreds of slots,
+constexpr double kLeastTileSeconds = 0.05;  ///< unless they would be over sooner than handed out;
+constexpr int64_t kMaxBlockSize = 32;       ///< more if they would grow beyond this
+constexpr double kMostTileBytes = 256e6;    ///< or their distances, where kept, beyond this.
 
 /// All unordered pairs of `blocks` blocks, each block with itself too, row by row:
 /// (0,0) (0,1) ... (0,n-1) (1,1) ...
@@ -29,9 +31,18 @@ std::pair<int64_t, int64_t> BlockPair(int64_t blocks, int64_t place) {
   return {blocks - 1 - row_from_end, blocks - 1 - column_from_end};
 }
 
+/// Meshes on a side of a tile; follows from the meshes alone.
 int64_t BlockSize(const PlanState& state) {
-  return std::clamp<int64_t>((state.ActiveCount() + kBlocksPerSide - 1) / kBlocksPerSide, 1,
-                             kMaxBlockSize);
+  constexpr double kVectorBytes = 3.3;
+  const double vertices =
+      std::max(1.0, state.VerticesOf(state.active) / static_cast<double>(state.ActiveCount()));
+  const double pairs_at_least = kLeastTileSeconds / (vertices * kSecondsPerLookup);
+  const double pairs_at_most = kMostTileBytes / (vertices * kVectorBytes);
+  // A tile of b meshes a side holds 2 b^2 pairs.
+  const auto least = static_cast<int64_t>(std::sqrt(pairs_at_least / 2));
+  const auto most = static_cast<int64_t>(std::sqrt(pairs_at_most / 2));
+  const int64_t even = (state.ActiveCount() + kBlocksPerSide - 1) / kBlocksPerSide;
+  return std::clamp<int64_t>(std::min(std::max(even, least), most), 1, kMaxBlockSize);
 }
 
 int64_t BlockCount(const PlanState& state) {
@@ -42,6 +53,48 @@ std::vector<int32_t> BlockAt(const PlanState& state, int64_t block) {
   const int64_t begin = block * BlockSize(state);
   const int64_t end = std::min(begin + BlockSize(state), state.ActiveCount());
   return {state.active.begin() + begin, state.active.begin() + end};
+}
+
+/// Bytes that keeping the distances of all pairs takes, roughly.
+double BytesKept(const PlanState& state, Retention retention) {
+  constexpr double kVectorBytes = 3.3;
+  constexpr double kCompactBytes = 1.7;
+  constexpr double kSketchBytes = 700;
+  const auto meshes = static_cast<double>(state.ActiveCount());
+  const double distances = state.VerticesOf(state.active) * meshes;
+  switch (retention) {
+    case Retention::kVectors:
+      return distances * kVectorBytes;
+    case Retention::kCompact:
+      return distances * kCompactBytes;
+    case Retention::kSketch:
+      return meshes * meshes * kSketchBytes;
+    case Retention::kMetrics:
+    case Retention::kAuto:
+      break;
+  }
+  return 0;
+}
+
+/// The job's options with Retention::kAuto decided: by the meshes alone, so that every task, also
+/// after a restart, decides the same.
+CompareOptions ResolvedCompare(const PlanState& state) {
+  CompareOptions compare = state.spec.compare;
+  if (compare.retention == Retention::kAuto) {
+    compare.retention = Retention::kMetrics;
+    for (const Retention richer : {Retention::kSketch, Retention::kCompact, Retention::kVectors}) {
+      if (BytesKept(state, richer) <= static_cast<double>(state.spec.retention_budget)) {
+        compare.retention = richer;
+      }
+    }
+  }
+  return compare;
+}
+
+void AddFields(PlanState& state, const TaskResult& result) {
+  if (!result.fields.empty()) {
+    state.outputs.fields.push_back(result.fields);
+  }
 }
 
 /// Tiles of pairs of aligned meshes, both directions each.
@@ -77,6 +130,7 @@ class CompareStage final : public Stage {
     made.meshes = state.TaskMeshes(rows);
     made.targets = state.TaskMeshes(columns);
     made.alignments = state.AlignmentsOf(both);
+    made.compare = ResolvedCompare(state);
     made.frame_center = state.meshes[static_cast<size_t>(state.base)].ingested->centroid;
     return made;
   }
@@ -85,6 +139,7 @@ class CompareStage final : public Stage {
                                     std::span<const TaskResult> results) const override {
     for (const TaskResult& result : results) {
       state.outputs.tiles.push_back(result.output);
+      AddFields(state, result);
     }
     for (const Batch& batch : state.batches) {
       if (!batch.alignment.empty()) {
@@ -116,6 +171,8 @@ class AlignAndCompareStage final : public Stage {
     made.targets = state.TaskMeshes({state.active[static_cast<size_t>(task)]});
     made.alignments = state.AlignmentsOf(state.active);
     made.icp = state.spec.icp;
+    made.undersampling = state.spec.undersampling;
+    made.compare = ResolvedCompare(state);
     made.counts_reference_index = true;
     return made;
   }
@@ -124,6 +181,7 @@ class AlignAndCompareStage final : public Stage {
                                     std::span<const TaskResult> results) const override {
     for (size_t i = 0; i < results.size(); ++i) {
       state.outputs.tiles.push_back(results[i].output);
+      AddFields(state, results[i]);
       if (state.active[i] == state.base) {
         state.outputs.alignments = {results[i].second_output};
       }

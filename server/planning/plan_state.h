@@ -27,6 +27,7 @@ struct PlanState {
   std::vector<int32_t> active;     ///< Meshes still in the job, ascending.
   std::vector<Batch> batches;      ///< All active meshes, in order. Provisional until ingest ends.
   int32_t base = 0;                ///< The base mesh. Provisional until ingest ends.
+  bool mean_has_settled = false;   ///< The last round moved the mean shape by no more than asked.
   Digest reference;                ///< Newest reference: the base mesh or the last mean shape.
   std::vector<Digest> variations;  ///< Variation blobs in batch order.
   JobOutputs outputs;

@@ -34,6 +34,9 @@ void AddMeanShapeRounds(StepList& steps, int rounds) {
 std::vector<Step> MakeSteps(const JobSpec& spec) {
   StepList steps;
   steps.Add(MakeIngestStage());
+  if (spec.base_rule == BaseRule::kAuto) {
+    steps.Add(MakeChooseBaseStage());
+  }
   if (spec.method != Method::kNone && spec.pose == PoseMode::kPrincipalAxes) {
     steps.Add(MakePoseStage());
   }

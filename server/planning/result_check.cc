@@ -83,6 +83,9 @@ absl::Status CheckResult(const PlanState& state, const Task& task, const TaskRes
   if (result.output.empty()) {
     return Misfit(task, "no output");
   }
+  if (task.kind == TaskKind::kChooseBase && !HasMesh(task, result.base)) {
+    return Misfit(task, absl::StrCat("mesh ", result.base, " is not its to choose"));
+  }
   if (HasSecondOutput(task) && result.second_output.empty()) {
     return Misfit(task, "no second output");
   }

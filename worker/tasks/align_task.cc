@@ -1,5 +1,6 @@
 #include "worker/tasks/align_task.h"
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,16 +13,26 @@
 
 namespace cohort {
 
+absl::StatusOr<Alignment> AlignMesh(const Task& task,
+                                    const TaskMesh& source,
+                                    const IcpMesh& target,
+                                    const Similarity& T_target_source,
+                                    const TaskContext& context,
+                                    PacketSearch& search) {
+  COHORT_ASSIGN_OR_RETURN(const auto mesh,
+                          context.meshes.GetSampled(source.blob, task.undersampling));
+  return AlignByIcp(*mesh, target, T_target_source, task.icp, search);
+}
+
 absl::StatusOr<TaskResult> RunPoseTask(const Task& task, const TaskContext& context) {
   COHORT_ASSIGN_OR_RETURN(const auto reference, context.meshes.Get(task.reference));
-  const IcpTarget target(reference->vertices);
   TaskResult result;
   result.counters.pose.index_builds = task.counts_reference_index ? 1 : 0;
   std::vector<MeshAlignment> poses;
   for (const TaskMesh& input : task.meshes) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
     COHORT_ASSIGN_OR_RETURN(const auto mesh, context.meshes.Get(input.blob));
-    const absl::StatusOr<CoarsePose> pose = FindCoarsePose(*mesh, *reference, target);
+    const absl::StatusOr<CoarsePose> pose = FindCoarsePose(*mesh, *reference);
     if (!pose.ok()) {
       result.rejections.push_back(
           {.index = input.index,
@@ -42,7 +53,8 @@ absl::StatusOr<TaskResult> RunPoseTask(const Task& task, const TaskContext& cont
 absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& context) {
   COHORT_ASSIGN_OR_RETURN(const auto reference, context.meshes.Get(task.reference));
   COHORT_ASSIGN_OR_RETURN(const auto starts, LoadAlignments(context.store, task.alignments));
-  const IcpTarget target(reference->vertices);
+  COHORT_ASSIGN_OR_RETURN(const auto target, context.meshes.GetIcpMesh(task.reference));
+  PacketSearch search;
   TaskResult result;
   result.counters.align.index_builds = task.counts_reference_index ? 1 : 0;
   std::vector<MeshAlignment> alignments;
@@ -52,7 +64,9 @@ absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& con
     COHORT_RETURN_IF_ERROR(context.CheckStop());
     COHORT_ASSIGN_OR_RETURN(const auto mesh, context.meshes.Get(input.blob));
     COHORT_ASSIGN_OR_RETURN(const Similarity start, SimilarityOf(starts, input));
-    const absl::StatusOr<Alignment> aligned = AlignByIcp(mesh->vertices, target, start, task.icp);
+    COHORT_ASSIGN_OR_RETURN(const auto source, context.meshes.GetIcpMesh(input.blob));
+    const absl::StatusOr<Alignment> aligned =
+        AlignMesh(task, input, *target, start, context, search);
     if (!aligned.ok()) {
       result.rejections.push_back(
           {.index = input.index,
@@ -62,8 +76,8 @@ absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& con
     result.counters.align.lookups += aligned->lookups;
     alignments.push_back({.mesh = input.index, .alignment = *aligned});
     if (task.wants_displacement) {
-      displacement.sum +=
-          DisplacementToMesh(reference->vertices, mesh->vertices, aligned->T_target_source);
+      displacement.sum += DisplacementToMesh(reference->vertices, *target, mesh->vertices, *source,
+                                             aligned->T_target_source, search);
       ++displacement.mesh_count;
       result.counters.average += {.index_builds = 1, .lookups = reference->VertexCount()};
     }
@@ -97,6 +111,8 @@ absl::StatusOr<TaskResult> RunAverageTask(const Task& task, const TaskContext& c
   next.vertices = MoveByMeanDisplacement(reference->vertices, sums, mesh_count);
   next.faces = reference->faces;
   TaskResult result;
+  result.change = std::sqrt((next.vertices - reference->vertices).squaredNorm() /
+                            static_cast<double>(next.VertexCount()));
   COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeRawMeshBlob(next)));
   return result;
 }

@@ -4,6 +4,16 @@
 
 namespace cohort {
 
+/// Scaling ICP of one mesh under the task's options, with the vertices that its undersampling
+/// keeps.
+/// @return as SelectVertices and AlignByIcp.
+[[nodiscard]] absl::StatusOr<Alignment> AlignMesh(const Task& task,
+                                                  const TaskMesh& source,
+                                                  const IcpMesh& target,
+                                                  const Similarity& T_target_source,
+                                                  const TaskContext& context,
+                                                  PacketSearch& search);
+
 /// kPose: a coarse pose for each mesh. A mesh without extent is rejected.
 [[nodiscard]] absl::StatusOr<TaskResult> RunPoseTask(const Task& task, const TaskContext& context);
 

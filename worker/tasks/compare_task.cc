@@ -1,30 +1,29 @@
 #include "worker/tasks/compare_task.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "common/base/status_macros.h"
-#include "common/geometry/comparison/metrics.h"
-#include "common/geometry/nearest/nearest_vertex.h"
 #include "common/jobs/blobs.h"
+#include "common/jobs/field_blob.h"
+#include "worker/tasks/align_task.h"
+#include "worker/tasks/pair_meter.h"
 
 namespace cohort {
 namespace {
 
-/// Nearest-vertex distances of `points` to the vertices behind `index`, as metrics.
-MetricValues Measure(const Eigen::Matrix3Xf& points, const NearestVertex& index) {
-  std::vector<int32_t> nearest(static_cast<size_t>(points.cols()));
-  std::vector<float> squared_distances(nearest.size());
-  index.Find(points, nearest, squared_distances);
-  return ComputeMetrics(squared_distances);
-}
+/// Meshes whose packed vertices stay in the cache of a core while all their pairs are measured.
+constexpr size_t kInnerBlock = 8;
 
-/// One block of the tile: its meshes in the common frame, behind indexes.
+/// One block of the tile: its meshes in the common frame.
 struct Block {
   std::vector<int32_t> meshes;
-  std::vector<std::unique_ptr<const NearestVertex>> indexes;
+  std::vector<std::shared_ptr<const PackedMesh>> placed;
+  std::vector<std::shared_ptr<const IcpMesh>> unplaced;  ///< For their boundaries.
 };
 
 absl::StatusOr<Block> LoadBlock(const std::vector<TaskMesh>& inputs,
@@ -35,28 +34,86 @@ absl::StatusOr<Block> LoadBlock(const std::vector<TaskMesh>& inputs,
   Block block;
   for (const TaskMesh& input : inputs) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
-    COHORT_ASSIGN_OR_RETURN(const auto mesh, context.meshes.Get(input.blob));
     COHORT_ASSIGN_OR_RETURN(const Similarity T_frame_mesh, SimilarityOf(alignments, input));
-    const Eigen::Matrix3Xf vertices =
-        (T_frame_mesh.Apply(mesh->vertices).colwise() - frame_center).cast<float>();
+    COHORT_ASSIGN_OR_RETURN(auto placed,
+                            context.meshes.GetPlaced(input.blob, T_frame_mesh, frame_center));
+    COHORT_ASSIGN_OR_RETURN(auto unplaced, context.meshes.GetIcpMesh(input.blob));
     block.meshes.push_back(input.index);
-    block.indexes.push_back(NearestVertex::Build(vertices));
+    block.placed.push_back(std::move(placed));
+    block.unplaced.push_back(std::move(unplaced));
     ++counters.index_builds;
   }
   return block;
 }
 
-absl::StatusOr<MetricBlock> MeasureBlock(const Block& sources,
-                                         const Block& targets,
-                                         const TaskContext& context,
-                                         Counters& counters) {
-  MetricBlock measured{.sources = sources.meshes, .targets = targets.meshes, .values = {}};
-  for (const auto& source : sources.indexes) {
-    for (const auto& target : targets.indexes) {
+/// Metrics and fields of one block of pairs, filled pair by pair.
+struct MeasuredBlock {
+  MetricBlock metrics;
+  FieldBlock fields;
+
+  MeasuredBlock(const std::vector<int32_t>& sources, const std::vector<int32_t>& targets)
+      : metrics{.sources = sources, .targets = targets, .values = {}},
+        fields{.sources = sources, .targets = targets, .fields = {}} {
+    metrics.values.resize(sources.size() * targets.size());
+    fields.fields.resize(metrics.values.size());
+  }
+  void Set(size_t place, MeasuredPair pair) {
+    metrics.values[place] = pair.metrics;
+    fields.fields[place] = std::move(pair.field);
+  }
+};
+
+/// What a tile writes.
+class TileOutput {
+ public:
+  explicit TileOutput(Retention retention) { fields_.retention = retention; }
+
+  void Add(MeasuredBlock block) {
+    metrics_.push_back(std::move(block.metrics));
+    if (fields_.retention != Retention::kMetrics) {
+      fields_.blocks.push_back(std::move(block.fields));
+    }
+  }
+  absl::Status Write(BlobStore& store, TaskResult& result) const {
+    COHORT_ASSIGN_OR_RETURN(result.output, store.Put(EncodeTileBlob(metrics_)));
+    if (!fields_.blocks.empty()) {
+      COHORT_ASSIGN_OR_RETURN(result.fields, store.Put(EncodeFieldBlob(fields_)));
+    }
+    return absl::OkStatus();
+  }
+
+ private:
+  std::vector<MetricBlock> metrics_;
+  FieldBlob fields_;
+};
+
+/// All pairs, inner block by inner block.
+absl::StatusOr<MeasuredBlock> MeasureBlock(const Block& sources,
+                                           const Block& targets,
+                                           const TaskContext& context,
+                                           PairMeter& meter,
+                                           Counters& counters) {
+  const size_t rows = sources.placed.size();
+  const size_t columns = targets.placed.size();
+  MeasuredBlock measured(sources.meshes, targets.meshes);
+  const auto measure = [&](size_t row, size_t column) -> absl::Status {
+    COHORT_ASSIGN_OR_RETURN(
+        MeasuredPair pair,
+        meter.Measure(*sources.placed[row], *targets.placed[column], *targets.unplaced[column]));
+    measured.Set(row * columns + column, std::move(pair));
+    counters.compare.lookups += sources.placed[row]->VertexCount();
+    ++counters.pairs;
+    return absl::OkStatus();
+  };
+  for (size_t row_block = 0; row_block < rows; row_block += kInnerBlock) {
+    for (size_t column_block = 0; column_block < columns; column_block += kInnerBlock) {
       COHORT_RETURN_IF_ERROR(context.CheckStop());
-      measured.values.push_back(Measure(source->Vertices(), *target));
-      counters.compare.lookups += source->Vertices().cols();
-      ++counters.pairs;
+      for (size_t row = row_block; row < std::min(rows, row_block + kInnerBlock); ++row) {
+        for (size_t column = column_block; column < std::min(columns, column_block + kInnerBlock);
+             ++column) {
+          COHORT_RETURN_IF_ERROR(measure(row, column));
+        }
+      }
     }
   }
   return measured;
@@ -68,49 +125,54 @@ absl::StatusOr<TaskResult> RunCompareTask(const Task& task, const TaskContext& c
   COHORT_ASSIGN_OR_RETURN(const auto alignments, LoadAlignments(context.store, task.alignments));
   const Eigen::Vector3d frame_center(task.frame_center.data());
   TaskResult result;
+  PairMeter meter(task.compare);
+  TileOutput output(task.compare.retention);
   COHORT_ASSIGN_OR_RETURN(const Block rows, LoadBlock(task.meshes, alignments, frame_center,
                                                       context, result.counters.compare));
-  std::vector<MetricBlock> blocks;
   if (task.targets == task.meshes) {
-    COHORT_ASSIGN_OR_RETURN(MetricBlock block, MeasureBlock(rows, rows, context, result.counters));
-    blocks.push_back(std::move(block));
+    COHORT_ASSIGN_OR_RETURN(MeasuredBlock block,
+                            MeasureBlock(rows, rows, context, meter, result.counters));
+    output.Add(std::move(block));
   } else {
     COHORT_ASSIGN_OR_RETURN(const Block columns, LoadBlock(task.targets, alignments, frame_center,
                                                            context, result.counters.compare));
-    COHORT_ASSIGN_OR_RETURN(MetricBlock there,
-                            MeasureBlock(rows, columns, context, result.counters));
-    COHORT_ASSIGN_OR_RETURN(MetricBlock back,
-                            MeasureBlock(columns, rows, context, result.counters));
-    blocks.push_back(std::move(there));
-    blocks.push_back(std::move(back));
+    COHORT_ASSIGN_OR_RETURN(MeasuredBlock there,
+                            MeasureBlock(rows, columns, context, meter, result.counters));
+    COHORT_ASSIGN_OR_RETURN(MeasuredBlock back,
+                            MeasureBlock(columns, rows, context, meter, result.counters));
+    output.Add(std::move(there));
+    output.Add(std::move(back));
   }
-  COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeTileBlob(blocks)));
+  COHORT_RETURN_IF_ERROR(output.Write(context.store, result));
   return result;
 }
 
 absl::StatusOr<TaskResult> RunAlignAndCompareTask(const Task& task, const TaskContext& context) {
   COHORT_ASSIGN_OR_RETURN(const auto poses, LoadAlignments(context.store, task.alignments));
   const TaskMesh& target_input = task.targets.at(0);
-  COHORT_ASSIGN_OR_RETURN(const auto target_mesh, context.meshes.Get(target_input.blob));
+  COHORT_ASSIGN_OR_RETURN(const auto target, context.meshes.GetIcpMesh(target_input.blob));
   COHORT_ASSIGN_OR_RETURN(const Similarity T_base_target, SimilarityOf(poses, target_input));
-  const IcpTarget target(target_mesh->vertices);
+  PairMeter meter(task.compare);
   TaskResult result;
   result.counters.align.index_builds = 1;
-  MetricBlock block;
-  block.targets = {target_input.index};
-  std::vector<MeshAlignment> alignments;
-  MetricValues failed;
-  failed.fill(std::numeric_limits<double>::quiet_NaN());
+  std::vector<int32_t> sources;
   for (const TaskMesh& input : task.meshes) {
+    sources.push_back(input.index);
+  }
+  MeasuredBlock block(sources, {target_input.index});
+  std::vector<MeshAlignment> alignments;
+  MeasuredPair failed;
+  failed.metrics.fill(std::numeric_limits<double>::quiet_NaN());
+  for (size_t place = 0; place < task.meshes.size(); ++place) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
-    COHORT_ASSIGN_OR_RETURN(const auto mesh, context.meshes.Get(input.blob));
+    const TaskMesh& input = task.meshes[place];
+    COHORT_ASSIGN_OR_RETURN(const auto source, context.meshes.GetIcpMesh(input.blob));
     COHORT_ASSIGN_OR_RETURN(const Similarity T_base_source, SimilarityOf(poses, input));
-    const absl::StatusOr<Alignment> aligned =
-        AlignByIcp(mesh->vertices, target, T_base_target.Inverse() * T_base_source, task.icp);
-    block.sources.push_back(input.index);
+    const absl::StatusOr<Alignment> aligned = AlignMesh(
+        task, input, *target, T_base_target.Inverse() * T_base_source, context, meter.Search());
     ++result.counters.pairs;
     if (!aligned.ok()) {
-      block.values.push_back(failed);
+      block.Set(place, failed);
       continue;
     }
     result.counters.align.lookups += aligned->lookups;
@@ -118,12 +180,14 @@ absl::StatusOr<TaskResult> RunAlignAndCompareTask(const Task& task, const TaskCo
     // A mesh lies on itself exactly; its fitted pose differs from the identity by rounding.
     const bool is_target = input.index == target_input.index;
     const Similarity T_target_source = is_target ? Similarity{} : aligned->T_target_source;
-    const Eigen::Matrix3Xf points =
-        (T_target_source.Apply(mesh->vertices).colwise() - target.Center()).cast<float>();
-    block.values.push_back(Measure(points, target.Index()));
-    result.counters.compare.lookups += points.cols();
+    COHORT_ASSIGN_OR_RETURN(MeasuredPair pair,
+                            meter.MeasureMoved(*source, *target, T_target_source));
+    block.Set(place, std::move(pair));
+    result.counters.compare.lookups += source->Packed().VertexCount();
   }
-  COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeTileBlob({block})));
+  TileOutput output(task.compare.retention);
+  output.Add(std::move(block));
+  COHORT_RETURN_IF_ERROR(output.Write(context.store, result));
   COHORT_ASSIGN_OR_RETURN(result.second_output, context.store.Put(EncodeAlignmentBlob(alignments)));
   return result;
 }

@@ -1,8 +1,13 @@
 #include "worker/tasks/mesh_cache.h"
 
+#include <cstddef>
 #include <utility>
+#include <vector>
+
+#include <absl/strings/str_cat.h>
 
 #include "common/base/status_macros.h"
+#include "common/geometry/mesh/boundary.h"
 #include "common/store/mesh_blob.h"
 
 namespace cohort {
@@ -13,40 +18,98 @@ int64_t SizeOf(const TriangleMesh& mesh) {
          mesh.FaceCount() * int64_t{3 * sizeof(int32_t)};
 }
 
-}  // namespace
-
-absl::StatusOr<std::shared_ptr<const TriangleMesh>> MeshCache::Get(const Digest& blob) {
-  {
-    MutexLock lock(mutex_);
-    const auto found = entries_.find(blob);
-    if (found != entries_.end()) {
-      uses_.splice(uses_.begin(), uses_, found->second.use);
-      return found->second.mesh;
-    }
-  }
-  // Two slots may decode the same mesh at once; that costs milliseconds, waiting would cost more.
-  COHORT_ASSIGN_OR_RETURN(const std::string bytes, store_.Get(blob));
-  absl::StatusOr<TriangleMesh> decoded = DecodeMeshBlob(bytes);
-  if (!decoded.ok()) {
-    return absl::Status(decoded.status().code(),
-                        "blob " + blob.Hex() + ": " + std::string(decoded.status().message()));
-  }
-  auto mesh = std::make_shared<const TriangleMesh>(*std::move(decoded));
-  MutexLock lock(mutex_);
-  Insert(blob, mesh);
-  return mesh;
+/// The bytes of a similarity and a point: what they place is the same if these are.
+std::string PlaceKey(const Similarity& T, const Eigen::Vector3d& center) {
+  Eigen::Matrix<double, 16, 1> numbers;
+  numbers << T.scale, T.rotation.reshaped(), T.translation, center;
+  return {reinterpret_cast<const char*>(numbers.data()), sizeof(double) * 16};
 }
 
-void MeshCache::Insert(const Digest& blob, std::shared_ptr<const TriangleMesh> mesh) {
-  if (entries_.contains(blob)) {
+}  // namespace
+
+template <typename T, typename Make>
+absl::StatusOr<std::shared_ptr<const T>> MeshCache::GetOrMake(const std::string& key, Make make) {
+  if (std::shared_ptr<const void> found = Find(key); found != nullptr) {
+    return std::static_pointer_cast<const T>(std::move(found));
+  }
+  // Two slots may make the same value at once; that costs milliseconds, waiting would cost more.
+  absl::StatusOr<Made<T>> made = make();
+  COHORT_RETURN_IF_ERROR(made.status());
+  Insert(key, made->value, made->bytes);
+  return std::move(made->value);
+}
+
+absl::StatusOr<std::shared_ptr<const TriangleMesh>> MeshCache::Get(const Digest& blob) {
+  return GetOrMake<TriangleMesh>("mesh " + blob.Hex(), [&]() -> absl::StatusOr<Made<TriangleMesh>> {
+    COHORT_ASSIGN_OR_RETURN(const std::string bytes, store_.Get(blob));
+    absl::StatusOr<TriangleMesh> decoded = DecodeMeshBlob(bytes);
+    if (!decoded.ok()) {
+      return absl::Status(decoded.status().code(),
+                          "blob " + blob.Hex() + ": " + std::string(decoded.status().message()));
+    }
+    auto mesh = std::make_shared<const TriangleMesh>(*std::move(decoded));
+    return Made<TriangleMesh>{.value = mesh, .bytes = SizeOf(*mesh)};
+  });
+}
+
+absl::StatusOr<std::shared_ptr<const IcpMesh>> MeshCache::GetIcpMesh(const Digest& blob) {
+  return GetOrMake<IcpMesh>("icp " + blob.Hex(), [&]() -> absl::StatusOr<Made<IcpMesh>> {
+    COHORT_ASSIGN_OR_RETURN(const auto mesh, Get(blob));
+    auto packed = std::make_shared<const IcpMesh>(mesh->vertices, BoundaryVertices(*mesh));
+    return Made<IcpMesh>{.value = packed,
+                         .bytes = packed->Packed().ByteCount() + mesh->VertexCount()};
+  });
+}
+
+absl::StatusOr<std::shared_ptr<const IcpMesh>> MeshCache::GetSampled(
+    const Digest& blob, const UndersamplingOptions& undersampling) {
+  if (undersampling.method == UndersamplingMethod::kNone) {
+    return GetIcpMesh(blob);
+  }
+  const std::string key = absl::StrCat(
+      "sampled ", blob.Hex(), " ", static_cast<int>(undersampling.method), " ", undersampling.count,
+      " ", undersampling.share, " ", undersampling.radius, " ", undersampling.seed);
+  return GetOrMake<IcpMesh>(key, [&]() -> absl::StatusOr<Made<IcpMesh>> {
+    COHORT_ASSIGN_OR_RETURN(const auto mesh, Get(blob));
+    COHORT_ASSIGN_OR_RETURN(const std::vector<int32_t> kept, SelectVertices(*mesh, undersampling));
+    const Eigen::Matrix3Xd vertices = mesh->vertices(Eigen::all, kept);
+    auto sampled = std::make_shared<const IcpMesh>(vertices);
+    return Made<IcpMesh>{.value = sampled, .bytes = sampled->Packed().ByteCount()};
+  });
+}
+
+absl::StatusOr<std::shared_ptr<const PackedMesh>> MeshCache::GetPlaced(
+    const Digest& blob, const Similarity& T_frame_mesh, const Eigen::Vector3d& frame_center) {
+  const std::string key = "placed " + blob.Hex() + PlaceKey(T_frame_mesh, frame_center);
+  return GetOrMake<PackedMesh>(key, [&]() -> absl::StatusOr<Made<PackedMesh>> {
+    COHORT_ASSIGN_OR_RETURN(const auto mesh, Get(blob));
+    auto packed = std::make_shared<const PackedMesh>(
+        (T_frame_mesh.Apply(mesh->vertices).colwise() - frame_center).cast<float>());
+    return Made<PackedMesh>{.value = packed, .bytes = packed->ByteCount()};
+  });
+}
+
+std::shared_ptr<const void> MeshCache::Find(const std::string& key) {
+  MutexLock lock(mutex_);
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) {
+    return nullptr;
+  }
+  uses_.splice(uses_.begin(), uses_, found->second.use);
+  return found->second.value;
+}
+
+void MeshCache::Insert(const std::string& key, std::shared_ptr<const void> value, int64_t bytes) {
+  MutexLock lock(mutex_);
+  if (entries_.contains(key)) {
     return;
   }
-  bytes_ += SizeOf(*mesh);
-  uses_.push_front(blob);
-  entries_[blob] = {.mesh = std::move(mesh), .use = uses_.begin()};
+  bytes_ += bytes;
+  uses_.push_front(key);
+  entries_[key] = {.value = std::move(value), .bytes = bytes, .use = uses_.begin()};
   while (bytes_ > max_bytes_ && uses_.size() > 1) {
     const auto oldest = entries_.find(uses_.back());
-    bytes_ -= SizeOf(*oldest->second.mesh);
+    bytes_ -= oldest->second.bytes;
     entries_.erase(oldest);
     uses_.pop_back();
   }

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <memory>
+#include <string>
 #include <unordered_map>
 
 #include <absl/status/statusor.h>
@@ -10,33 +12,56 @@
 #include "common/base/mutex.h"
 #include "common/base/sha256.h"
 #include "common/geometry/mesh/triangle_mesh.h"
+#include "common/geometry/nearest/packed_mesh.h"
+#include "common/geometry/registration/icp_mesh.h"
+#include "common/geometry/registration/similarity.h"
+#include "common/geometry/registration/undersampling.h"
 #include "common/store/blob_store.h"
 
 namespace cohort {
 
-/// Decoded meshes shared by the slots of a worker; the least recently used go first when the limit
-/// is reached. Thread-safe.
+/// Decoded meshes and their packed forms, shared by the slots of a worker; the least recently used
+/// go first when the limit is reached. Thread-safe.
 class MeshCache {
  public:
-  /// @param max_bytes  of decoded meshes kept; meshes in use may exceed it.
+  /// @param max_bytes  kept; what is in use may exceed it.
   MeshCache(BlobStore& store, int64_t max_bytes) : store_(store), max_bytes_(max_bytes) {}
 
   /// @return as BlobStore::Get and DecodeMeshBlob, naming the blob.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const TriangleMesh>> Get(const Digest& blob);
+  /// The mesh as registration reads it, with its open boundary.
+  [[nodiscard]] absl::StatusOr<std::shared_ptr<const IcpMesh>> GetIcpMesh(const Digest& blob);
+  /// The vertices that take part in alignments as the source: all of them, or a selection.
+  /// @return also as SelectVertices.
+  [[nodiscard]] absl::StatusOr<std::shared_ptr<const IcpMesh>> GetSampled(
+      const Digest& blob, const UndersamplingOptions& undersampling);
+  /// The vertices T_frame_mesh * x - frame_center in packets.
+  [[nodiscard]] absl::StatusOr<std::shared_ptr<const PackedMesh>> GetPlaced(
+      const Digest& blob, const Similarity& T_frame_mesh, const Eigen::Vector3d& frame_center);
 
  private:
   struct Entry {
-    std::shared_ptr<const TriangleMesh> mesh;
-    std::list<Digest>::iterator use;
+    std::shared_ptr<const void> value;
+    int64_t bytes = 0;
+    std::list<std::string>::iterator use;
   };
-  void Insert(const Digest& blob, std::shared_ptr<const TriangleMesh> mesh)
-      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  template <typename T>
+  struct Made {
+    std::shared_ptr<const T> value;
+    int64_t bytes = 0;
+  };
+  /// The value under `key`; made by `make` (which returns a StatusOr<Made<T>>) if it is not there.
+  template <typename T, typename Make>
+  absl::StatusOr<std::shared_ptr<const T>> GetOrMake(const std::string& key, Make make);
+  std::shared_ptr<const void> Find(const std::string& key) ABSL_LOCKS_EXCLUDED(mutex_);
+  void Insert(const std::string& key, std::shared_ptr<const void> value, int64_t bytes)
+      ABSL_LOCKS_EXCLUDED(mutex_);
 
   BlobStore& store_;
   const int64_t max_bytes_;
   Mutex mutex_;
-  std::unordered_map<Digest, Entry> entries_ ABSL_GUARDED_BY(mutex_);
-  std::list<Digest> uses_ ABSL_GUARDED_BY(mutex_);  ///< Most recent first.
+  std::unordered_map<std::string, Entry> entries_ ABSL_GUARDED_BY(mutex_);
+  std::list<std::string> uses_ ABSL_GUARDED_BY(mutex_);  ///< Most recent first.
   int64_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "worker/tasks/align_task.h"
+#include "worker/tasks/choose_base_task.h"
 #include "worker/tasks/compare_task.h"
 #include "worker/tasks/ingest_task.h"
 #include "worker/tasks/task_context.h"
@@ -32,6 +33,8 @@ absl::StatusOr<TaskResult> Dispatch(const Task& task, const TaskContext& context
       return RunVariationTask(task, context);
     case TaskKind::kSummarize:
       return RunSummarizeTask(task, context);
+    case TaskKind::kChooseBase:
+      return RunChooseBaseTask(task, context);
   }
   return absl::InvalidArgumentError("task kind " + std::to_string(static_cast<int>(task.kind)) +
                                     " is not known");

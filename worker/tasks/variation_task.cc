@@ -15,6 +15,8 @@ namespace cohort {
 absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext& context) {
   COHORT_ASSIGN_OR_RETURN(const auto reference, context.meshes.Get(task.reference));
   COHORT_ASSIGN_OR_RETURN(const auto alignments, LoadAlignments(context.store, task.alignments));
+  COHORT_ASSIGN_OR_RETURN(const auto queries, context.meshes.GetIcpMesh(task.reference));
+  PacketSearch search;
   const int64_t n = reference->VertexCount();
   TaskResult result;
   VariationPart part;
@@ -25,8 +27,9 @@ absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext&
     const TaskMesh& input = task.meshes[k];
     COHORT_ASSIGN_OR_RETURN(const auto mesh, context.meshes.Get(input.blob));
     COHORT_ASSIGN_OR_RETURN(const Similarity T_reference_mesh, SimilarityOf(alignments, input));
-    const Eigen::Matrix3Xd displacement =
-        DisplacementToMesh(reference->vertices, mesh->vertices, T_reference_mesh);
+    COHORT_ASSIGN_OR_RETURN(const auto target, context.meshes.GetIcpMesh(input.blob));
+    const Eigen::Matrix3Xd displacement = DisplacementToMesh(
+        reference->vertices, *queries, mesh->vertices, *target, T_reference_mesh, search);
     part.distances.col(static_cast<Eigen::Index>(k)) =
         displacement.colwise().norm().transpose().cast<float>();
     part.displacement.sum += displacement;

@@ -140,6 +140,7 @@ TEST_F(CatalogJobsTest, CreatesOneJobPerRequestAndKeepsTheFirstSpec) {
 TEST_F(CatalogJobsTest, CreatesOneJobForARequestThatComesFromEightThreadsAtOnce) {
   std::vector<std::string> ids(8);
   std::vector<std::thread> callers;
+  callers.reserve(ids.size());
   for (std::string& id : ids) {
     callers.emplace_back([&] {
       id = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a")}, "r-1", 10).value().id.value;
@@ -170,7 +171,9 @@ TEST_F(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
   const JobOutputs outputs = {.tiles = {Sha256::Of("1"), Sha256::Of("2")},
                               .alignments = {Sha256::Of("3")},
                               .mean_shape = Sha256::Of("4"),
-                              .summary = Digest()};
+                              .summary = Digest(),
+                              .fields = {Sha256::Of("5")},
+                              .base_choice = Sha256::Of("6")};
   std::vector<JobMesh> meshes = catalog_->GetJobMeshes(job.id).value();
   meshes[0].rejection = "line 7: NaN";
   meshes[1].ingested = SomeIngested("b");
@@ -184,6 +187,8 @@ TEST_F(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
   EXPECT_EQ(found.alignments, outputs.alignments);
   EXPECT_EQ(found.mean_shape, outputs.mean_shape);
   EXPECT_EQ(found.summary, outputs.summary);
+  EXPECT_EQ(found.fields, outputs.fields);
+  EXPECT_EQ(found.base_choice, outputs.base_choice);
   const std::vector<JobMesh> fates = catalog_->GetJobMeshes(job.id).value();
   ASSERT_EQ(fates.size(), 2u);
   EXPECT_EQ(fates[0].rejection, "line 7: NaN");

@@ -32,7 +32,7 @@ class FakeJob {
                                         : absl::StrCat("m", 100000 + i));
       meshes_.push_back({.name = names_.back() + ".ply",
                          .raw = Name(names_.back() + " raw"),
-                         .size_bytes = 6000,
+                         .size_bytes = 42000000,
                          .labels = {}});
       radii_.push_back(80);
     }
@@ -53,6 +53,7 @@ class FakeJob {
   }
   [[nodiscard]] std::vector<IngestedMesh> Known(const std::vector<int32_t>& indices) {
     std::vector<IngestedMesh> known;
+    known.reserve(indices.size());
     for (const int32_t index : indices) {
       known.push_back(Ingested(index));
     }
@@ -128,7 +129,7 @@ class FakeJob {
   }
 
   [[nodiscard]] Digest Name(const std::string& name) {
-    const Digest digest = Sha256::Of(name);
+    Digest digest = Sha256::Of(name);
     digest_names_[digest] = name;
     return digest;
   }
@@ -177,13 +178,17 @@ class FakeJob {
     return line;
   }
 
+ public:
+  /// Of every mesh. So large by default that tiles are divided by the number of meshes alone.
+  int64_t vertices = 700000;
+
  private:
   IngestedMesh Ingested(int32_t index) {
     const auto place = static_cast<size_t>(index);
     IngestedMesh mesh;
     mesh.index = index;
     mesh.blob = Name(names_[place]);
-    mesh.vertices = 100;
+    mesh.vertices = vertices;
     mesh.centroid = {1.0 * index, 2.0 * index, 3.0 * index};
     mesh.health.rms_radius = radii_[place];
     return mesh;

@@ -80,50 +80,100 @@ TEST_P(PlanBatching, FollowsFromTheNumberOfMeshes) {
 
 INSTANTIATE_TEST_SUITE_P(Table,
                          PlanBatching,
-                         ::testing::Values(Batching{12, 1, 1, 1},
-                                           Batching{13, 1, 1, 2},
-                                           Batching{127, 1, 1, 11},
-                                           Batching{128, 2, 2, 11},
-                                           Batching{384, 6, 6, 32},
-                                           Batching{700, 8, 10, 32},
-                                           Batching{1100, 8, 16, 32}));
+                         ::testing::Values(Batching{24, 1, 1, 1},
+                                           Batching{25, 1, 1, 2},
+                                           Batching{127, 1, 1, 6},
+                                           Batching{128, 2, 2, 6},
+                                           Batching{384, 6, 6, 7},
+                                           Batching{700, 8, 10, 7},
+                                           Batching{1100, 8, 16, 7}));
+
+/// Meshes of the largest block of the tiles.
+size_t LargestBlock(int meshes, int64_t vertices) {
+  FakeJob job(meshes);
+  job.vertices = vertices;
+  const auto plan = job.Plan(SpecOf(Method::kNone, PoseMode::kNone));
+  size_t largest = 0;
+  while (!plan->Done()) {
+    for (const Task& task : plan->TakeReadyTasks()) {
+      if (task.kind == TaskKind::kCompare) {
+        largest = std::max(largest, task.meshes.size());
+      }
+      EXPECT_THAT(plan->TaskFinished(task.number, job.ResultOf(task)), IsOk());
+    }
+  }
+  return largest;
+}
+
+TEST(TileSize, IsNotOverSoonerThanHandedOut) {
+  EXPECT_EQ(LargestBlock(8, 100), 8U);     // a tile of everything is over at once
+  EXPECT_EQ(LargestBlock(60, 20000), 8U);  // 128 pairs of 20,000 look-ups: 50 ms
+  EXPECT_EQ(LargestBlock(60, 200000), 3U);
+  EXPECT_EQ(LargestBlock(200, 100), 32U);
+}
 
 class PlanTiles : public ::testing::TestWithParam<int> {};
+
+/// What the tasks of a job align and measure.
+class PairTally {
+ public:
+  explicit PairTally(int meshes)
+      : meshes_(static_cast<size_t>(meshes)), times_(meshes_ * meshes_) {}
+
+  void AddAlignments(const Task& task, const Digest& output) {
+    for (const TaskMesh& mesh : task.meshes) {
+      meshes_of_blob_[output.Hex()].insert(mesh.index);
+    }
+  }
+
+  void AddTile(const Task& task) {
+    std::set<int32_t> covered;
+    for (const Digest& blob : task.alignments) {
+      covered.merge(std::set<int32_t>(meshes_of_blob_[blob.Hex()]));
+    }
+    const bool diagonal = task.meshes == task.targets;
+    for (const TaskMesh& a : task.meshes) {
+      ASSERT_TRUE(covered.contains(a.index));
+      for (const TaskMesh& b : task.targets) {
+        ASSERT_TRUE(covered.contains(b.index));
+        ++TimesOf(a, b);
+        if (!diagonal) {
+          ++TimesOf(b, a);
+        }
+      }
+    }
+  }
+
+  /// How often each directed pair was measured, each number once.
+  [[nodiscard]] std::set<int> Times() const { return {times_.begin(), times_.end()}; }
+
+ private:
+  int& TimesOf(const TaskMesh& a, const TaskMesh& b) {
+    return times_[static_cast<size_t>(a.index) * meshes_ + static_cast<size_t>(b.index)];
+  }
+
+  size_t meshes_;
+  std::vector<int> times_;
+  std::map<std::string, std::set<int32_t>> meshes_of_blob_;
+};
 
 TEST_P(PlanTiles, MeasureEveryDirectedPairOnceAndKnowTheirAlignments) {
   const int n = GetParam();
   FakeJob job(n);
   const auto plan = job.Plan(SpecOf(Method::kOne, PoseMode::kNone), job.AllIndices());
-  std::map<std::string, std::set<int32_t>> meshes_of_blob;
-  std::vector<int> times(static_cast<size_t>(n * n));
+  PairTally tally(n);
   while (!plan->Done()) {
     for (const Task& task : plan->TakeReadyTasks()) {
       const TaskResult result = job.ResultOf(task);
       if (task.kind == TaskKind::kAlign) {
-        for (const TaskMesh& mesh : task.meshes) {
-          meshes_of_blob[result.output.Hex()].insert(mesh.index);
-        }
+        tally.AddAlignments(task, result.output);
       } else if (task.kind == TaskKind::kCompare) {
-        std::set<int32_t> covered;
-        for (const Digest& blob : task.alignments) {
-          covered.merge(std::set<int32_t>(meshes_of_blob[blob.Hex()]));
-        }
-        const bool diagonal = task.meshes == task.targets;
-        for (const TaskMesh& a : task.meshes) {
-          ASSERT_TRUE(covered.contains(a.index));
-          for (const TaskMesh& b : task.targets) {
-            ASSERT_TRUE(covered.contains(b.index));
-            ++times[static_cast<size_t>(a.index * n + b.index)];
-            if (!diagonal) {
-              ++times[static_cast<size_t>(b.index * n + a.index)];
-            }
-          }
-        }
+        ASSERT_NO_FATAL_FAILURE(tally.AddTile(task));
       }
       ASSERT_THAT(plan->TaskFinished(task.number, result), IsOk());
     }
   }
-  EXPECT_EQ(std::set<int>(times.begin(), times.end()), std::set<int>{1});
+  EXPECT_EQ(tally.Times(), std::set<int>{1});
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, PlanTiles, ::testing::Values(2, 3, 13, 97, 400, 1000));
