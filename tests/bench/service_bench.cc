@@ -1,0 +1,123 @@
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <absl/strings/str_cat.h>
+#include <nlohmann/json.hpp>
+
+#include "common/base/status_macros.h"
+#include "common/geometry/comparison/measure_distances.h"
+#include "common/geometry/nearest/packet_search.h"
+#include "tests/bench/bench.h"
+#include "tests/bench/search_duel.h"
+
+namespace cohort {
+namespace {
+
+constexpr int kMeshes = 60;
+constexpr int kVertices = 20'000;
+constexpr int kThreads = 2;
+constexpr double kLeastShare = 0.8;
+
+/// What one job through the service took for its comparisons.
+struct ServiceRun {
+  double pairs = 0;
+  double seconds = 0;  // wall time of the compare stage
+};
+
+/// Starts `cohort run` with two workers and reads its job.json.
+/// @return kInternal if the program fails, kUnavailable if it does not say what the stage took.
+absl::StatusOr<ServiceRun> RunService(const Bench& bench) {
+  const std::string out = absl::StrCat(bench.options.data_folder, "/service");
+  std::filesystem::remove_all(out);
+  const std::string command = absl::StrCat(
+      "'", bench.options.cohort_program, "' run '", bench.faces.PreparedFolder(kVertices),
+      "' --out '", out, "' --workers ", kThreads, " --threads 1 --retention sketch >'",
+      bench.options.data_folder, "/service.log' 2>&1");
+  if (std::system(command.c_str()) != 0) {
+    return absl::InternalError(absl::StrCat("`cohort run --retention sketch` failed, see ",
+                                            bench.options.data_folder, "/service.log"));
+  }
+  std::ifstream file(out + "/job.json");
+  const nlohmann::json job = nlohmann::json::parse(file, nullptr, /*allow_exceptions=*/false);
+  const nlohmann::json::json_pointer seconds("/run/stages/compare/seconds");
+  const nlohmann::json::json_pointer pairs("/counters/pairs");
+  if (job.is_discarded() || !job.contains(seconds) || !job.contains(pairs)) {
+    return absl::UnavailableError("job.json does not say what the compare stage took");
+  }
+  return ServiceRun{job[pairs].get<double>(), job[seconds].get<double>()};
+}
+
+/// Wall seconds of the same pairs by the bare kernel: search, metrics and sketch, on two threads.
+double RunKernel(std::span<const BenchMesh> meshes) {
+  const auto start = std::chrono::steady_clock::now();
+  std::atomic<size_t> next = 0;
+  const auto work = [&] {
+    PacketSearch search;
+    NearestSlots nearest;
+    DistanceScratch scratch;
+    for (size_t row = next++; row < meshes.size(); row = next++) {
+      for (const BenchMesh& target : meshes) {
+        search.Find(meshes[row].packed, target.packed, nearest);
+        benchmark::DoNotOptimize(
+            MeasureSquaredDistances({nearest.squared_distances.data(),
+                                     static_cast<size_t>(meshes[row].packed.VertexCount())},
+                                    scratch));
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  threads.reserve(kThreads);
+  for (int i = 0; i < kThreads; ++i) {
+    threads.emplace_back(work);
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+absl::Status MeasureService(Bench& bench, benchmark::State& state) {
+  COHORT_ASSIGN_OR_RETURN(const auto faces, bench.faces.Get(kVertices, kMeshes));
+  Figure figure{
+      "pairs a second through the service, of the kernel's", AtLeast(kLeastShare), {}, "", ""};
+  const absl::StatusOr<ServiceRun> first = RunService(bench);
+  if (absl::IsUnavailable(first.status())) {
+    figure.note = std::string(first.status().message());
+    bench.figures.Add(figure);
+    return absl::OkStatus();
+  }
+  COHORT_RETURN_IF_ERROR(first.status());
+  absl::Status failure;
+  Contest contest;
+  contest.Add("service", first->pairs, [&] {
+    const absl::StatusOr<ServiceRun> run = RunService(bench);
+    failure.Update(run.status());
+    return run.ok() ? run->seconds : 1;
+  });
+  contest.Add("kernel", static_cast<double>(kMeshes * kMeshes), [&] { return RunKernel(faces); });
+  contest.Run(state);
+  COHORT_RETURN_IF_ERROR(failure);
+  figure.value = contest.Ratio("kernel", "service");
+  figure.note = absl::StrCat(kMeshes, " meshes of ", kVertices, ", wall time on ", kThreads,
+                             " threads: ", Digits(contest.Nanoseconds("service") * 1e-6),
+                             " ms a pair against ", Digits(contest.Nanoseconds("kernel") * 1e-6));
+  bench.figures.Add(figure);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void RegisterService(Bench& bench) {
+  if (!bench.options.IsQuick() && !bench.options.cohort_program.empty()) {
+    Register(bench, "service/20k", 3, MeasureService);
+  }
+}
+
+}  // namespace cohort
