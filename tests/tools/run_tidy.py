@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
-"""Runs clang-tidy-14 on the sources of a build folder, the most recently changed first.
+"""Runs clang-tidy-14 on the sources of a build folder, so that what changed last is seen first.
 
 usage: run_tidy.py [--build build/release] [--budget-seconds 600] [--jobs N] [--fresh] [FILE.cc ...]
 
 A source that passed once is not checked again until it, a header it includes, its compile command
-or .clang-tidy changes; that memory is ~/.cache/cohort-tidy, and --fresh ignores it. When the
-budget is used up no further source is started, and those left out are named: by the order they are
-those that changed longest ago. Needs a finished Ninja build, which knows the headers of each
-source. Exits with 1 if a source has findings.
+or a .clang-tidy above it changes; that memory is ~/.cache/cohort-tidy, and --fresh ignores it. When
+the budget is used up no further source is started, and those left out are named: by the order they
+are those whose own text changed longest ago. A changed header counts as seen with one source that
+includes it. Needs a finished Ninja build, which knows the headers of each source. Exits with 1 if a
+source has findings.
 """
 import argparse
 import concurrent.futures
 import hashlib
 import json
+import math
 import os
 import pathlib
 import shlex
@@ -58,22 +60,26 @@ def ages(root):
 
 
 class Source:
-    """One translation unit: what it depends on and how recently any of it changed."""
+    """One translation unit and the files of the repository in it."""
 
-    def __init__(self, root, build, entry, headers, age):
+    def __init__(self, root, build, entry, headers):
         self.path = source_path(entry)
         self.name = self.path.relative_to(root).as_posix()
         arguments = shlex.split(entry["command"])
         target = arguments[arguments.index("-o") + 1]
         self.headers = sorted(headers.get(target, []))
         self.command = entry["command"].replace(str(build), "BUILD").replace(str(root), "ROOT")
-        own = [self.name] + [os.path.relpath(path, root) for path in self.headers]
-        never = max(age.values(), default=0) + 1
-        newest = min(age.get(name, never) for name in own)
-        self.rank = (newest, age.get(self.name, never), self.name)
+        self.own = {self.name} | {os.path.relpath(path, root) for path in self.headers
+                                  if path.startswith(f"{root}/")}
 
-    def key(self, root, salt):
-        digest = hashlib.sha256((salt + self.command).encode())
+    def rules(self, root):
+        """The texts of the .clang-tidy files that apply, the root's first."""
+        folders = reversed(self.path.relative_to(root).parents)
+        files = [root / folder / ".clang-tidy" for folder in folders]
+        return "".join(file.read_text() for file in files if file.exists())
+
+    def key(self, root, version):
+        digest = hashlib.sha256((version + self.rules(root) + self.command).encode())
         for path in [str(self.path)] + self.headers:
             if path.startswith(str(root)):
                 digest.update(os.path.relpath(path, root).encode())
@@ -85,16 +91,40 @@ class Source:
 
 def sources_of(root, build, wanted):
     headers = read_headers(build)
-    age = ages(root)
     found = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         path = str(source_path(entry))
-        if not path.startswith(str(root) + "/") or path.startswith(str(build) + "/"):
+        if not path.startswith(f"{root}/") or path.startswith(f"{build}/"):
             continue
-        source = Source(root, build, entry, headers, age)
+        source = Source(root, build, entry, headers)
         if not wanted or source.path in wanted:
             found.setdefault(source.name, source)
-    return sorted(found.values(), key=lambda source: source.rank)
+    return found
+
+
+def newest_first(sources, age):
+    """The sources by their own age; each header with the first source that shows it.
+
+    A header that no source before it includes is shown by its own .cc, else by the source with the
+    fewest headers.
+    """
+    def rank(name):
+        return age.get(name, math.inf), name not in sources, name
+
+    shown, order = set(), {}
+    files = set().union(*(source.own for source in sources.values()))
+    for name in sorted(files, key=rank):
+        if name in sources:
+            chosen = sources[name]
+        elif name not in shown:
+            own = os.path.splitext(name)[0] + ".cc"
+            chosen = min((source for source in sources.values() if name in source.own),
+                         key=lambda source: (source.name != own, len(source.headers), source.name))
+        else:
+            continue
+        order[chosen.name] = chosen
+        shown |= chosen.own
+    return list(order.values())
 
 
 def check(build, source):
@@ -141,9 +171,10 @@ def main():
     passed = pathlib.Path(os.environ.get("XDG_CACHE_HOME", pathlib.Path.home() / ".cache"))
     passed = passed / "cohort-tidy"
     passed.mkdir(parents=True, exist_ok=True)
-    salt = output_of(TIDY, "--version") + (root / ".clang-tidy").read_text()
-    sources = sources_of(root, build, {path.resolve() for path in options.files})
-    keyed = [(source, source.key(root, salt)) for source in sources]
+    version = output_of(TIDY, "--version")
+    sources = newest_first(sources_of(root, build, {path.resolve() for path in options.files}),
+                           ages(root))
+    keyed = [(source, source.key(root, version)) for source in sources]
     pending = [item for item in keyed if options.fresh or not (passed / item[1]).exists()]
     print(f"clang-tidy: {len(sources)} sources, {len(sources) - len(pending)} passed before "
           f"unchanged, {len(pending)} to check on {options.jobs} cores", flush=True)
