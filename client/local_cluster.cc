@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "common/geometry/nearest/instruction_set.h"
 
 namespace cohort {
 namespace {
@@ -23,6 +24,8 @@ constexpr std::chrono::seconds kStartTime(60);
 
 absl::StatusOr<std::unique_ptr<LocalCluster>> LocalCluster::Start(
     const LocalClusterOptions& options) {
+  // Workers would refuse it, one after the other.
+  COHORT_RETURN_IF_ERROR(ChooseInstructionSet().status());
   std::unique_ptr<LocalCluster> cluster(new LocalCluster(options));
   // Not in the data folder: a socket's path may have 107 bytes at most.
   std::string socket_dir = (std::filesystem::temp_directory_path() / "cohort-XXXXXX").string();

@@ -17,6 +17,7 @@
 #include "common/base/process.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
+#include "common/geometry/nearest/instruction_set.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/rpc_blob_store.h"
 #include "common/store/directory_blob_store.h"
@@ -92,6 +93,7 @@ absl::Status WorkerOptions::Validate() const {
 
 absl::Status RunWorker(const WorkerOptions& options) {
   COHORT_RETURN_IF_ERROR(options.Validate());
+  COHORT_ASSIGN_OR_RETURN(const InstructionSet instruction_set, ChooseInstructionSet());
   COHORT_ASSIGN_OR_RETURN(const std::string address, NormalizeAddress(options.server));
   const std::shared_ptr<grpc::Channel> channel = OpenChannel(address);
   COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<BlobStore> store,
@@ -105,9 +107,10 @@ absl::Status RunWorker(const WorkerOptions& options) {
   const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   loop_options.slots = options.threads > 0 ? options.threads : processors;
   loop_options.drain_seconds = options.drain_seconds;
-  spdlog::info("event=worker_started worker={} server={} slots={} store={}",
+  spdlog::info("event=worker_started worker={} server={} slots={} store={} isa={}",
                loop_options.worker.value, address, loop_options.slots,
-               options.store.empty() ? "rpc" : options.store);
+               options.store.empty() ? "rpc" : options.store,
+               InstructionSetName(instruction_set));
   WorkerLoop loop(loop_options, link, runner);
   std::stop_source stop;
   std::atomic<bool> ended = false;

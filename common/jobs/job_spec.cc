@@ -34,6 +34,11 @@ absl::Status JobSpec::Validate() const {
   if (!std::isfinite(mean_tolerance) || mean_tolerance < 0) {
     return Refused("mean_tolerance", mean_tolerance, "at least 0");
   }
+  if (compare.correspondence == Correspondence::kSurface &&
+      compare.boundary_pairs == BoundaryPairs::kReject) {
+    return Refused("compare.boundary_pairs", "\"reject\"",
+                   "\"keep\" where distances go to the surface");
+  }
   if (retention_budget < 0) {
     return Refused("retention_budget", retention_budget, "at least 0 bytes");
   }

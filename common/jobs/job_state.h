@@ -29,6 +29,14 @@ struct SetMesh {
   std::map<std::string, std::string> labels;  ///< "person" and any other columns of --labels.
 };
 
+/// When a stage ran, by the server's clock.
+struct StageTime {
+  std::string name;
+  int64_t started_unix_ms = 0;   ///< First task handed out.
+  int64_t finished_unix_ms = 0;  ///< Last task done so far.
+  friend bool operator==(const StageTime&, const StageTime&) = default;
+};
+
 /// Finished and known tasks, and how much of the expected cost is done.
 struct Progress {
   std::string stage;  ///< Of the earliest unfinished task; empty when done.
@@ -36,6 +44,7 @@ struct Progress {
   int64_t tasks_total = 0;  ///< Rounds not planned yet are counted as announced.
   double cost_done = 0;
   double cost_total = 0;
+  std::vector<StageTime> stages;  ///< Begun so far, in that order; never part of a result.
 };
 
 /// Blobs that hold the results of a job that succeeded.

@@ -57,6 +57,11 @@ Json RunJson(const JobJsonInput& input) {
   if (job.started_unix_ms != 0 && job.finished_unix_ms != 0) {
     json["seconds"] = static_cast<double>(job.finished_unix_ms - job.started_unix_ms) / 1000;
   }
+  json["stages"] = Json::object();
+  for (const StageTime& stage : job.progress.stages) {
+    json["stages"][stage.name]["seconds"] =
+        static_cast<double>(stage.finished_unix_ms - stage.started_unix_ms) / 1000;
+  }
   return json;
 }
 

@@ -79,15 +79,28 @@ v1::Progress ToProto(const Progress& progress) {
   wire.set_tasks_total(progress.tasks_total);
   wire.set_cost_done(progress.cost_done);
   wire.set_cost_total(progress.cost_total);
+  for (const StageTime& stage : progress.stages) {
+    auto* added = wire.add_stages();
+    added->set_name(stage.name);
+    added->set_started_unix_ms(stage.started_unix_ms);
+    added->set_finished_unix_ms(stage.finished_unix_ms);
+  }
   return wire;
 }
 
 Progress FromProto(const v1::Progress& wire) {
-  return {.stage = wire.stage(),
-          .tasks_done = wire.tasks_done(),
-          .tasks_total = wire.tasks_total(),
-          .cost_done = wire.cost_done(),
-          .cost_total = wire.cost_total()};
+  Progress progress = {.stage = wire.stage(),
+                       .tasks_done = wire.tasks_done(),
+                       .tasks_total = wire.tasks_total(),
+                       .cost_done = wire.cost_done(),
+                       .cost_total = wire.cost_total(),
+                       .stages = {}};
+  for (const v1::StageTime& stage : wire.stages()) {
+    progress.stages.push_back({.name = stage.name(),
+                               .started_unix_ms = stage.started_unix_ms(),
+                               .finished_unix_ms = stage.finished_unix_ms()});
+  }
+  return progress;
 }
 
 v1::TaskMesh ToProto(const TaskMesh& mesh) {

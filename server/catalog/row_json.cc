@@ -53,11 +53,15 @@ absl::StatusOr<JobSpec> SpecFromText(const std::string& text) {
 }
 
 std::string ProgressToText(const Progress& progress) {
-  return json{{"stage", progress.stage},
-              {"tasks_done", progress.tasks_done},
-              {"tasks_total", progress.tasks_total},
-              {"cost_done", progress.cost_done},
-              {"cost_total", progress.cost_total}}
+  json stages = json::array();
+  for (const StageTime& stage : progress.stages) {
+    stages.push_back({{"name", stage.name},
+                      {"started_unix_ms", stage.started_unix_ms},
+                      {"finished_unix_ms", stage.finished_unix_ms}});
+  }
+  return json{{"stages", std::move(stages)},       {"stage", progress.stage},
+              {"tasks_done", progress.tasks_done}, {"tasks_total", progress.tasks_total},
+              {"cost_done", progress.cost_done},   {"cost_total", progress.cost_total}}
       .dump();
 }
 
@@ -70,6 +74,12 @@ absl::StatusOr<Progress> ProgressFromText(const std::string& text) {
   fields.Read("tasks_total", progress.tasks_total);
   fields.Read("cost_done", progress.cost_done);
   fields.Read("cost_total", progress.cost_total);
+  fields.ReadObjects("stages", [&progress](JsonFields& item) {
+    StageTime& stage = progress.stages.emplace_back();
+    item.Read("name", stage.name);
+    item.Read("started_unix_ms", stage.started_unix_ms);
+    item.Read("finished_unix_ms", stage.finished_unix_ms);
+  });
   COHORT_RETURN_IF_ERROR(fields.Finish());
   return progress;
 }

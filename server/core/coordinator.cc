@@ -209,12 +209,27 @@ absl::Status Coordinator::GetMatrix(const JobId& id,
   return ForEachMatrixBlock(store_, outputs, metric, consume);
 }
 
+void Coordinator::SetProgress(Progress progress, Job& job) {
+  progress.stages = std::move(job.progress.stages);
+  job.progress = std::move(progress);
+}
+
+void Coordinator::NoteStage(const std::string& stage, Job& job) const {
+  std::vector<StageTime>& stages = job.progress.stages;
+  auto time = std::find_if(stages.begin(), stages.end(),
+                           [&](const StageTime& known) { return known.name == stage; });
+  if (time == stages.end()) {
+    time = stages.insert(stages.end(), {.name = stage, .started_unix_ms = WallMs()});
+  }
+  time->finished_unix_ms = WallMs();
+}
+
 absl::Status Coordinator::EndJob(ActiveJob& active, JobState state, const std::string& error) {
   Job ended = active.job;
   ended.state = state;
   ended.error = error;
   ended.finished_unix_ms = WallMs();
-  ended.progress = active.plan->CurrentProgress();
+  SetProgress(active.plan->CurrentProgress(), ended);
   ended.counters = active.plan->TotalCounters();
   ++ended.version;
   const JobOutputs outputs = state == JobState::kSucceeded ? active.plan->Outputs() : JobOutputs{};
@@ -226,7 +241,7 @@ absl::Status Coordinator::EndJob(ActiveJob& active, JobState state, const std::s
 }
 
 void Coordinator::Touch(ActiveJob& active) {
-  active.job.progress = active.plan->CurrentProgress();
+  SetProgress(active.plan->CurrentProgress(), active.job);
   active.job.counters = active.plan->TotalCounters();
   const auto& meshes = active.plan->Meshes();
   active.job.rejected_meshes = std::count_if(

@@ -122,6 +122,10 @@ class Coordinator {
   std::vector<Job> TakeChanges() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Notify(const std::vector<Job>& changes);
   [[nodiscard]] int64_t WallMs() const;
+  /// The plan's progress; the times of the stages are the job's own.
+  static void SetProgress(Progress progress, Job& job);
+  /// A task of the stage was handed out or done.
+  void NoteStage(const std::string& stage, Job& job) const;
 
   const CoordinatorOptions options_;
   Catalog& catalog_;

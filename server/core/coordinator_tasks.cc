@@ -208,6 +208,7 @@ absl::StatusOr<std::vector<GrantedTask>> Coordinator::GrantTasks(const WorkerId&
     TaskRecord record = RecordOf(lease.task.number, scheduler_.AttemptsOf(lease.task));
     record.worker = worker.value;
     records[lease.task.job].push_back(record);
+    NoteStage(grants.back().task.stage, active.job);
     if (active.job.state == JobState::kQueued) {
       active.job.state = JobState::kRunning;
       active.job.started_unix_ms = WallMs();
@@ -276,6 +277,7 @@ absl::StatusOr<bool> Coordinator::CompleteTask(const WorkerId& worker,
         ingested.emplace_back(input->blob, mesh);
       }
     }
+    NoteStage(open->second.stage, active.job);
     Job next = active.job;
     ++next.version;
     COHORT_RETURN_IF_ERROR(catalog_.SaveCompletion(next, record, ingested));

@@ -27,6 +27,24 @@ absl::Status ChooseBase(PlanState& state) {
   return absl::OkStatus();
 }
 
+/// Takes out the meshes without faces if the job asks for surfaces.
+void RejectPointClouds(PlanState& state) {
+  if (state.spec.icp.correspondence == Correspondence::kVertex &&
+      state.spec.compare.correspondence == Correspondence::kVertex) {
+    return;
+  }
+  std::vector<MeshRejection> rejections;
+  for (const int32_t index : state.active) {
+    const JobMesh& mesh = state.meshes[static_cast<size_t>(index)];
+    if (mesh.ingested->faces == 0) {
+      rejections.push_back({.index = index,
+                            .reason = mesh.mesh.name + ": a point cloud; distances to surfaces "
+                                                       "need faces"});
+    }
+  }
+  state.Reject(rejections);
+}
+
 /// Raw files to canonical meshes. Batches are cut from all meshes, known or not, so that a task
 /// keeps its number when a restarted server knows more meshes than the first one did.
 class IngestStage final : public Stage {
@@ -69,6 +87,7 @@ class IngestStage final : public Stage {
       }
       state.Reject(result.rejections);
     }
+    RejectPointClouds(state);
     COHORT_RETURN_IF_ERROR(state.CheckEnoughLeft());
     COHORT_RETURN_IF_ERROR(ChooseBase(state));
     state.FormBatches();

@@ -7,8 +7,12 @@ namespace {
 
 Job JobAt(double share, const std::string& stage) {
   Job job;
-  job.progress = {
-      .stage = stage, .tasks_done = 50, .tasks_total = 100, .cost_done = share, .cost_total = 1};
+  job.progress = {.stage = stage,
+                  .tasks_done = 50,
+                  .tasks_total = 100,
+                  .cost_done = share,
+                  .cost_total = 1,
+                  .stages = {}};
   return job;
 }
 

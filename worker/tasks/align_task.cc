@@ -53,7 +53,8 @@ absl::StatusOr<TaskResult> RunPoseTask(const Task& task, const TaskContext& cont
 absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& context) {
   COHORT_ASSIGN_OR_RETURN(const auto reference, context.meshes.Get(task.reference));
   COHORT_ASSIGN_OR_RETURN(const auto starts, LoadAlignments(context.store, task.alignments));
-  COHORT_ASSIGN_OR_RETURN(const auto target, context.meshes.GetIcpMesh(task.reference));
+  COHORT_ASSIGN_OR_RETURN(const auto target,
+                          context.meshes.GetIcpTarget(task.reference, task.icp.correspondence));
   PacketSearch search;
   TaskResult result;
   result.counters.align.index_builds = task.counts_reference_index ? 1 : 0;

@@ -23,14 +23,16 @@ constexpr size_t kInnerBlock = 8;
 struct Block {
   std::vector<int32_t> meshes;
   std::vector<std::shared_ptr<const PackedMesh>> placed;
-  std::vector<std::shared_ptr<const IcpMesh>> unplaced;  ///< For their boundaries.
+  std::vector<std::shared_ptr<const IcpMesh>> unplaced;        ///< For their boundaries.
+  std::vector<std::shared_ptr<const PackedSurface>> surfaces;  ///< Only where they are needed.
 };
 
 absl::StatusOr<Block> LoadBlock(const std::vector<TaskMesh>& inputs,
                                 const std::map<int32_t, Alignment>& alignments,
-                                const Eigen::Vector3d& frame_center,
+                                const Task& task,
                                 const TaskContext& context,
                                 WorkCounters& counters) {
+  const Eigen::Vector3d frame_center(task.frame_center.data());
   Block block;
   for (const TaskMesh& input : inputs) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
@@ -41,6 +43,11 @@ absl::StatusOr<Block> LoadBlock(const std::vector<TaskMesh>& inputs,
     block.meshes.push_back(input.index);
     block.placed.push_back(std::move(placed));
     block.unplaced.push_back(std::move(unplaced));
+    if (task.compare.correspondence == Correspondence::kSurface) {
+      COHORT_ASSIGN_OR_RETURN(
+          auto surface, context.meshes.GetPlacedSurface(input.blob, T_frame_mesh, frame_center));
+      block.surfaces.push_back(std::move(surface));
+    }
     ++counters.index_builds;
   }
   return block;
@@ -97,9 +104,11 @@ absl::StatusOr<MeasuredBlock> MeasureBlock(const Block& sources,
   const size_t columns = targets.placed.size();
   MeasuredBlock measured(sources.meshes, targets.meshes);
   const auto measure = [&](size_t row, size_t column) -> absl::Status {
-    COHORT_ASSIGN_OR_RETURN(
-        MeasuredPair pair,
-        meter.Measure(*sources.placed[row], *targets.placed[column], *targets.unplaced[column]));
+    const PairTarget target = {
+        .vertices = *targets.placed[column],
+        .unplaced = *targets.unplaced[column],
+        .surface = targets.surfaces.empty() ? nullptr : targets.surfaces[column].get()};
+    COHORT_ASSIGN_OR_RETURN(MeasuredPair pair, meter.Measure(*sources.placed[row], target));
     measured.Set(row * columns + column, std::move(pair));
     counters.compare.lookups += sources.placed[row]->VertexCount();
     ++counters.pairs;
@@ -123,19 +132,18 @@ absl::StatusOr<MeasuredBlock> MeasureBlock(const Block& sources,
 
 absl::StatusOr<TaskResult> RunCompareTask(const Task& task, const TaskContext& context) {
   COHORT_ASSIGN_OR_RETURN(const auto alignments, LoadAlignments(context.store, task.alignments));
-  const Eigen::Vector3d frame_center(task.frame_center.data());
   TaskResult result;
   PairMeter meter(task.compare);
   TileOutput output(task.compare.retention);
-  COHORT_ASSIGN_OR_RETURN(const Block rows, LoadBlock(task.meshes, alignments, frame_center,
-                                                      context, result.counters.compare));
+  COHORT_ASSIGN_OR_RETURN(
+      const Block rows, LoadBlock(task.meshes, alignments, task, context, result.counters.compare));
   if (task.targets == task.meshes) {
     COHORT_ASSIGN_OR_RETURN(MeasuredBlock block,
                             MeasureBlock(rows, rows, context, meter, result.counters));
     output.Add(std::move(block));
   } else {
-    COHORT_ASSIGN_OR_RETURN(const Block columns, LoadBlock(task.targets, alignments, frame_center,
-                                                           context, result.counters.compare));
+    COHORT_ASSIGN_OR_RETURN(const Block columns, LoadBlock(task.targets, alignments, task, context,
+                                                           result.counters.compare));
     COHORT_ASSIGN_OR_RETURN(MeasuredBlock there,
                             MeasureBlock(rows, columns, context, meter, result.counters));
     COHORT_ASSIGN_OR_RETURN(MeasuredBlock back,
@@ -150,7 +158,12 @@ absl::StatusOr<TaskResult> RunCompareTask(const Task& task, const TaskContext& c
 absl::StatusOr<TaskResult> RunAlignAndCompareTask(const Task& task, const TaskContext& context) {
   COHORT_ASSIGN_OR_RETURN(const auto poses, LoadAlignments(context.store, task.alignments));
   const TaskMesh& target_input = task.targets.at(0);
-  COHORT_ASSIGN_OR_RETURN(const auto target, context.meshes.GetIcpMesh(target_input.blob));
+  const bool needs_surface = task.icp.correspondence == Correspondence::kSurface ||
+                             task.compare.correspondence == Correspondence::kSurface;
+  COHORT_ASSIGN_OR_RETURN(
+      const auto target,
+      context.meshes.GetIcpTarget(
+          target_input.blob, needs_surface ? Correspondence::kSurface : Correspondence::kVertex));
   COHORT_ASSIGN_OR_RETURN(const Similarity T_base_target, SimilarityOf(poses, target_input));
   PairMeter meter(task.compare);
   TaskResult result;

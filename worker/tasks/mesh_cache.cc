@@ -25,6 +25,14 @@ std::string PlaceKey(const Similarity& T, const Eigen::Vector3d& center) {
   return {reinterpret_cast<const char*>(numbers.data()), sizeof(double) * 16};
 }
 
+absl::Status CheckHasFaces(const TriangleMesh& mesh, const Digest& blob) {
+  if (mesh.IsPointCloud()) {
+    return absl::FailedPreconditionError("mesh " + blob.Hex() +
+                                         " is a point cloud: a surface is needed");
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 template <typename T, typename Make>
@@ -61,6 +69,22 @@ absl::StatusOr<std::shared_ptr<const IcpMesh>> MeshCache::GetIcpMesh(const Diges
   });
 }
 
+absl::StatusOr<std::shared_ptr<const IcpMesh>> MeshCache::GetIcpTarget(
+    const Digest& blob, Correspondence correspondence) {
+  if (correspondence == Correspondence::kVertex) {
+    return GetIcpMesh(blob);
+  }
+  return GetOrMake<IcpMesh>("icp surface " + blob.Hex(), [&]() -> absl::StatusOr<Made<IcpMesh>> {
+    COHORT_ASSIGN_OR_RETURN(const auto mesh, Get(blob));
+    COHORT_RETURN_IF_ERROR(CheckHasFaces(*mesh, blob));
+    auto packed =
+        std::make_shared<const IcpMesh>(IcpMesh::WithSurface(*mesh, BoundaryVertices(*mesh)));
+    return Made<IcpMesh>{.value = packed,
+                         .bytes = packed->Packed().ByteCount() + mesh->VertexCount() +
+                                  packed->Surface()->ByteCount()};
+  });
+}
+
 absl::StatusOr<std::shared_ptr<const IcpMesh>> MeshCache::GetSampled(
     const Digest& blob, const UndersamplingOptions& undersampling) {
   if (undersampling.method == UndersamplingMethod::kNone) {
@@ -86,6 +110,18 @@ absl::StatusOr<std::shared_ptr<const PackedMesh>> MeshCache::GetPlaced(
     auto packed = std::make_shared<const PackedMesh>(
         (T_frame_mesh.Apply(mesh->vertices).colwise() - frame_center).cast<float>());
     return Made<PackedMesh>{.value = packed, .bytes = packed->ByteCount()};
+  });
+}
+
+absl::StatusOr<std::shared_ptr<const PackedSurface>> MeshCache::GetPlacedSurface(
+    const Digest& blob, const Similarity& T_frame_mesh, const Eigen::Vector3d& frame_center) {
+  const std::string key = "placed surface " + blob.Hex() + PlaceKey(T_frame_mesh, frame_center);
+  return GetOrMake<PackedSurface>(key, [&]() -> absl::StatusOr<Made<PackedSurface>> {
+    COHORT_ASSIGN_OR_RETURN(const auto mesh, Get(blob));
+    COHORT_RETURN_IF_ERROR(CheckHasFaces(*mesh, blob));
+    auto packed = std::make_shared<const PackedSurface>(
+        (T_frame_mesh.Apply(mesh->vertices).colwise() - frame_center).cast<float>(), mesh->faces);
+    return Made<PackedSurface>{.value = packed, .bytes = packed->ByteCount()};
   });
 }
 

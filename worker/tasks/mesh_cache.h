@@ -12,7 +12,9 @@
 #include "common/base/mutex.h"
 #include "common/base/sha256.h"
 #include "common/geometry/mesh/triangle_mesh.h"
+#include "common/geometry/nearest/correspondence.h"
 #include "common/geometry/nearest/packed_mesh.h"
+#include "common/geometry/nearest/packed_surface.h"
 #include "common/geometry/registration/icp_mesh.h"
 #include "common/geometry/registration/similarity.h"
 #include "common/geometry/registration/undersampling.h"
@@ -31,12 +33,21 @@ class MeshCache {
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const TriangleMesh>> Get(const Digest& blob);
   /// The mesh as registration reads it, with its open boundary.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const IcpMesh>> GetIcpMesh(const Digest& blob);
+  /// The same as a target of these correspondences: with its surface if they need it.
+  /// @return also kFailedPrecondition for a point cloud where a surface is needed.
+  [[nodiscard]] absl::StatusOr<std::shared_ptr<const IcpMesh>> GetIcpTarget(
+      const Digest& blob, Correspondence correspondence);
   /// The vertices that take part in alignments as the source: all of them, or a selection.
   /// @return also as SelectVertices.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const IcpMesh>> GetSampled(
       const Digest& blob, const UndersamplingOptions& undersampling);
   /// The vertices T_frame_mesh * x - frame_center in packets.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const PackedMesh>> GetPlaced(
+      const Digest& blob, const Similarity& T_frame_mesh, const Eigen::Vector3d& frame_center);
+
+  /// The same vertices with the faces.
+  /// @return also kFailedPrecondition for a point cloud.
+  [[nodiscard]] absl::StatusOr<std::shared_ptr<const PackedSurface>> GetPlacedSurface(
       const Digest& blob, const Similarity& T_frame_mesh, const Eigen::Vector3d& frame_center);
 
  private:

@@ -8,31 +8,48 @@
 
 namespace cohort {
 
+namespace {
+
+/// Without the repeats behind the last vertex.
+std::span<const float> VertexValues(const AlignedArray<float>& values, const PackedMesh& mesh) {
+  return {values.data(), static_cast<size_t>(mesh.VertexCount())};
+}
+
+}  // namespace
+
 absl::StatusOr<MeasuredPair> PairMeter::Measure(const PackedMesh& source,
-                                                const PackedMesh& target,
-                                                const IcpMesh& target_mesh) {
-  search_.Find(source, target, nearest_);
-  return Summarize(Counting(source, target, target_mesh), source.Diagonal());
+                                                const PairTarget& target) {
+  if (options_.correspondence == Correspondence::kSurface) {
+    surface_search_.Find(source, *target.surface, on_surface_);
+    return Summarize(VertexValues(on_surface_.squared_distances, source), source.Diagonal());
+  }
+  search_.Find(source, target.vertices, nearest_);
+  return Summarize(Counting(source, target.vertices, target.unplaced), source.Diagonal());
 }
 
 absl::StatusOr<MeasuredPair> PairMeter::MeasureMoved(const IcpMesh& source,
                                                      const IcpMesh& target,
                                                      const Similarity& T_target_source) {
-  search_.FindMoved(source.Packed(), PackedTransform(T_target_source, source, target),
-                    target.Packed(), SearchSeed::kDescent, nearest_);
+  const PointTransform transform = PackedTransform(T_target_source, source, target);
+  if (options_.correspondence == Correspondence::kSurface) {
+    surface_search_.FindMoved(source.Packed(), transform, *target.Surface(), SearchSeed::kDescent,
+                              on_surface_);
+    return Summarize(VertexValues(on_surface_.squared_distances, source.Packed()),
+                     source.Packed().Diagonal());
+  }
+  search_.FindMoved(source.Packed(), transform, target.Packed(), SearchSeed::kDescent, nearest_);
   return Summarize(Counting(source.Packed(), target.Packed(), target), source.Packed().Diagonal());
 }
 
 std::span<const float> PairMeter::Counting(const PackedMesh& source,
                                            const PackedMesh& target,
                                            const IcpMesh& target_mesh) {
-  const auto vertices = static_cast<size_t>(source.VertexCount());
-  const std::span<const float> all(nearest_.squared_distances.data(), vertices);
+  const std::span<const float> all = VertexValues(nearest_.squared_distances, source);
   if (options_.boundary_pairs == BoundaryPairs::kKeep || !target_mesh.HasBoundary()) {
     return all;
   }
   counting_.clear();
-  for (size_t slot = 0; slot < vertices; ++slot) {
+  for (size_t slot = 0; slot < all.size(); ++slot) {
     const auto found = static_cast<size_t>(nearest_.slots[slot]);
     if (!target_mesh.IsOnBoundary(target.VertexOfSlot()[found])) {
       counting_.push_back(all[slot]);

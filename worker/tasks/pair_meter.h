@@ -2,6 +2,7 @@
 
 #include "common/geometry/comparison/measure_distances.h"
 #include "common/geometry/nearest/packet_search.h"
+#include "common/geometry/nearest/surface_search.h"
 #include "common/geometry/registration/icp_mesh.h"
 #include "common/jobs/field_blob.h"
 
@@ -13,6 +14,13 @@ struct MeasuredPair {
   KeptField field;  ///< Empty for Retention::kMetrics.
 };
 
+/// The target of a pair in the common frame.
+struct PairTarget {
+  const PackedMesh& vertices;
+  const IcpMesh& unplaced;                 ///< The same mesh: its open boundary.
+  const PackedSurface* surface = nullptr;  ///< Needed for Correspondence::kSurface.
+};
+
 /// Measures directed pairs: distances of the source's vertices to the target. Holds the memory that
 /// this needs: one per thread.
 class PairMeter {
@@ -20,11 +28,9 @@ class PairMeter {
   explicit PairMeter(const CompareOptions& options) : options_(options) {}
 
   /// Both packed in one common frame.
-  /// @param target_mesh  the mesh behind `target`, for its open boundary.
   /// @return as EncodeCompact.
   [[nodiscard]] absl::StatusOr<MeasuredPair> Measure(const PackedMesh& source,
-                                                     const PackedMesh& target,
-                                                     const IcpMesh& target_mesh);
+                                                     const PairTarget& target);
   /// The source moved onto the target.
   [[nodiscard]] absl::StatusOr<MeasuredPair> MeasureMoved(const IcpMesh& source,
                                                           const IcpMesh& target,
@@ -32,7 +38,7 @@ class PairMeter {
   [[nodiscard]] PacketSearch& Search() { return search_; }
 
  private:
-  /// The squared distances found last that count, in slot order.
+  /// The squared distances to vertices found last that count, in slot order.
   [[nodiscard]] std::span<const float> Counting(const PackedMesh& source,
                                                 const PackedMesh& target,
                                                 const IcpMesh& target_mesh);
@@ -42,6 +48,8 @@ class PairMeter {
   const CompareOptions options_;
   PacketSearch search_;
   NearestSlots nearest_;
+  SurfaceSearch surface_search_;
+  NearestOnSurface on_surface_;
   DistanceScratch scratch_;
   std::vector<float> counting_;
 };

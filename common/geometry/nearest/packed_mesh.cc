@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <vector>
 
 namespace cohort {
 namespace {
@@ -149,6 +150,29 @@ class LeafOrder {
   Eigen::Array4Xf points_;  ///< x, y, z, 0: one load each.
 };
 
+/// Lays the boxes from `first` on into a group, empty ones after the last, and joins them.
+void JoinBoxes(const std::vector<float>& boxes, size_t first, float* group, float* joined) {
+  for (size_t side = 0; side < 3; ++side) {
+    float least = kInfinity;
+    float most = -kInfinity;
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      const size_t box = (first + lane) * kBoxFloats;
+      float low = kInfinity;
+      float high = -kInfinity;
+      if (box < boxes.size()) {
+        low = boxes[box + side];
+        high = boxes[box + 3 + side];
+      }
+      group[side * kLanes + lane] = low;
+      group[(3 + side) * kLanes + lane] = high;
+      least = std::min(least, low);
+      most = std::max(most, high);
+    }
+    joined[side] = least;
+    joined[3 + side] = most;
+  }
+}
+
 }  // namespace
 
 PackedMesh::PackedMesh(const Eigen::Ref<const Eigen::Matrix3Xf>& vertices)
@@ -200,32 +224,18 @@ void PackedMesh::FillLeaves(const Eigen::Ref<const Eigen::Matrix3Xf>& vertices) 
 
 void PackedMesh::BuildLevels() {
   std::vector<float> boxes(boxes_.data(), boxes_.data() + boxes_.size());
-  while (true) {
-    const size_t children = boxes.size() / kBoxFloats;
-    const size_t groups = (children + kLanes - 1) / kLanes;
+  do {
+    const size_t groups = (boxes.size() / kBoxFloats + kLanes - 1) / kLanes;
     AlignedArray<float>& level = levels_.emplace_back(groups * kGroupFloats);
     std::vector<float> parents(groups * kBoxFloats);
-    for (size_t child = 0; child < groups * kLanes; ++child) {
-      float* group = &level[child / kLanes * kGroupFloats];
-      float* parent = &parents[child / kLanes * kBoxFloats];
-      const size_t lane = child % kLanes;
-      for (size_t side = 0; side < 3; ++side) {
-        const float low = child < children ? boxes[child * kBoxFloats + side] : kInfinity;
-        const float high = child < children ? boxes[child * kBoxFloats + 3 + side] : -kInfinity;
-        group[side * kLanes + lane] = low;
-        group[(3 + side) * kLanes + lane] = high;
-        parent[side] = lane == 0 ? low : std::min(parent[side], low);
-        parent[3 + side] = lane == 0 ? high : std::max(parent[3 + side], high);
-      }
+    for (size_t group = 0; group < groups; ++group) {
+      JoinBoxes(boxes, group * kLanes, &level[group * kGroupFloats], &parents[group * kBoxFloats]);
     }
     view_.levels[levels_.size() - 1] = level.data();
     view_.level_count = static_cast<int>(levels_.size());
     assert(levels_.size() <= kMostLevels);
-    if (groups == 1) {
-      return;
-    }
     boxes = std::move(parents);
-  }
+  } while (boxes.size() > kBoxFloats);
 }
 
 Eigen::Vector3f PackedMesh::PointOfSlot(int slot) const {

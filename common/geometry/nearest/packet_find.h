@@ -74,13 +74,14 @@ inline void MeasureLeaf(const Lanes3<S>& p,
 
 template <class S>
 inline Nearest16<S> LoadNearest(const BlockState& state, uint32_t packet) {
-  return {S::Load(state.best + packet * 16), S::LoadI(state.slot + packet * 16)};
+  return {S::Load(state.best + packet * kPacketLanes),
+          S::LoadI(state.slot + packet * kPacketLanes)};
 }
 
 template <class S>
 inline void StoreNearest(const Nearest16<S>& nearest, uint32_t packet, BlockState& state) {
-  S::Store(state.best + packet * 16, nearest.distance);
-  S::StoreI(state.slot + packet * 16, nearest.slot);
+  S::Store(state.best + packet * kPacketLanes, nearest.distance);
+  S::StoreI(state.slot + packet * kPacketLanes, nearest.slot);
 }
 
 /// Squared distances to the points in the given slots.
@@ -110,11 +111,11 @@ inline void Seed(const QueryBlock& block,
       MeasureLeaf<S>(p, target, state.seed[u], nearest);
     } else {
       state.seed[u] = -1;
-      nearest.slot = S::LoadI(previous + u * 16);
+      nearest.slot = S::LoadI(previous + u * kPacketLanes);
       nearest.distance = ToSlots<S>(p, target, nearest.slot);
     }
     StoreNearest<S>(nearest, static_cast<uint32_t>(u), state);
-    S::Store(state.limit + u * 16, nearest.distance);
+    S::Store(state.limit + u * kPacketLanes, nearest.distance);
     state.bound[u] = S::GreatestOf(nearest.distance);
   }
 }
@@ -141,8 +142,8 @@ void FindFused(const QueryBlock& block,
     StoreNearest<S>(nearest, packet, state);
   }
   for (int u = 0; u < block.packets; ++u) {
-    S::StoreI(slots + u * 16, S::LoadI(state.slot + u * 16));
-    S::Store(squared_distances + u * 16, S::Load(state.best + u * 16));
+    S::StoreI(slots + u * kPacketLanes, S::LoadI(state.slot + u * kPacketLanes));
+    S::Store(squared_distances + u * kPacketLanes, S::Load(state.best + u * kPacketLanes));
   }
 }
 

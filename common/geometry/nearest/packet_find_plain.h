@@ -45,9 +45,9 @@ inline void MeasureLeafPlain(const float* points,
     load(points + quarter, x);
     load(points + 16 + quarter, y);
     load(points + 32 + quarter, z);
-    load(state.best + packet * 16 + quarter, best);
-    load(state.second + packet * 16 + quarter, second);
-    load(state.slot + packet * 16 + quarter, slot);
+    load(state.best + packet * kPacketLanes + quarter, best);
+    load(state.second + packet * kPacketLanes + quarter, second);
+    load(state.slot + packet * kPacketLanes + quarter, slot);
     for (int j = 0; j < 16; ++j) {
       const F4 distance = S::SquaredNorm4(x - leaf[j], y - leaf[16 + j], z - leaf[32 + j]);
       const I4 nearer = distance < best;
@@ -55,9 +55,9 @@ inline void MeasureLeafPlain(const float* points,
       second = S::Min4(second, S::Max4(best, distance));
       best = S::Min4(best, distance);
     }
-    store(state.best + packet * 16 + quarter, best);
-    store(state.second + packet * 16 + quarter, second);
-    store(state.slot + packet * 16 + quarter, slot);
+    store(state.best + packet * kPacketLanes + quarter, best);
+    store(state.second + packet * kPacketLanes + quarter, second);
+    store(state.slot + packet * kPacketLanes + quarter, slot);
   }
 }
 
@@ -77,14 +77,14 @@ inline void SeedPlain(const QueryBlock& block,
   }
   for (int u = 0; u < block.packets; ++u) {
     const float* points = block.points + u * kPacketFloats;
-    float* limit = state.limit + u * 16;
+    float* limit = state.limit + u * kPacketLanes;
     if (seed == SearchSeed::kDescent) {
       MeasureLeafPlain<S>(points, target, state.seed[u], static_cast<uint32_t>(u), state);
-      S::Store(limit, S::Load(state.best + u * 16));
+      S::Store(limit, S::Load(state.best + u * kPacketLanes));
     } else {
       state.seed[u] = -1;
       const Lanes3<S> p = LoadPoints<S>(points);
-      const typename S::I slots = S::LoadI(previous + u * 16);
+      const typename S::I slots = S::LoadI(previous + u * kPacketLanes);
       S::Store(limit, S::SquaredNorm(S::Sub(p.x, S::GatherPoints(target.points, slots, 0)),
                                      S::Sub(p.y, S::GatherPoints(target.points, slots, 1)),
                                      S::Sub(p.z, S::GatherPoints(target.points, slots, 2))));

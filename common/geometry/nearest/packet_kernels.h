@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "common/geometry/nearest/packet_search_kernels.h"
@@ -20,8 +21,11 @@
 /// Source: reference/performance.md section 1, candidate (e).
 namespace cohort {
 
-constexpr int kPacketFloats = 3 * PackedMesh::kLanes;
-constexpr int kPacketBoxFloats = 8;
+// What one packet takes in an array.
+constexpr ptrdiff_t kPacketLanes = PackedMesh::kLanes;
+constexpr ptrdiff_t kPacketFloats = 3 * kPacketLanes;
+constexpr ptrdiff_t kPacketBoxFloats = 8;
+
 constexpr float kFarAway = __builtin_huge_valf();
 
 /// An entry of a queue: the packet in the upper 8 bits, the node in the lower 24.
@@ -146,7 +150,8 @@ inline int FilterLeaves(const QueryBlock& block,
     const Lanes3<S> points = LoadPoints<S>(block.points + packet * kPacketFloats);
     const typename S::F distance =
         PointsToBox<S>(points, target.boxes + int64_t{leaf} * kPacketBoxFloats);
-    const bool reached = S::Any(S::LessEqual(distance, S::Load(state.limit + packet * 16)));
+    const bool reached =
+        S::Any(S::LessEqual(distance, S::Load(state.limit + packet * kPacketLanes)));
     out[kept] = in[i];
     kept +=
         static_cast<int>(reached) & static_cast<int>(static_cast<int>(leaf) != state.seed[packet]);

@@ -27,7 +27,7 @@ void Move(const float* points,
           S::ToFloat(S::AddD(S::MulD(S::SetD(row[0]), x),
                              S::AddD(S::MulD(S::SetD(row[1]), y),
                                      S::AddD(S::MulD(S::SetD(row[2]), z), S::SetD(row[3])))));
-      S::Store(moved + 16 * side, value);
+      S::Store(moved + kPacketLanes * side, value);
       box[side] = S::LeastOf(value);
       box[3 + side] = S::GreatestOf(value);
     }
@@ -64,9 +64,9 @@ struct Partners {
 
   Partners(const PairBlock& block, const PackedMesh::View& target) {
     for (int u = 0; u < block.packets; ++u) {
-      const typename S::I slots = S::LoadI(block.slots + u * 16);
+      const typename S::I slots = S::LoadI(block.slots + u * kPacketLanes);
       for (int side = 0; side < 3; ++side) {
-        S::Store(points + u * kPacketFloats + 16 * side,
+        S::Store(points + u * kPacketFloats + kPacketLanes * side,
                  S::GatherPoints(target.points, slots, side));
       }
     }
@@ -81,7 +81,7 @@ inline void AddPoints(const PairBlock& block, const Partners<S>& partners, PairS
     typename S::D squares_a = S::SetD(0);
     typename S::D squares_b = S::SetD(0);
     for (int side = 0; side < 3; ++side) {
-      const int at = u * kPacketFloats + 16 * side;
+      const ptrdiff_t at = u * kPacketFloats + kPacketLanes * side;
       const typename S::D a = Kept<S>(S::Load(block.points + at), kept);
       const typename S::D b = Kept<S>(S::Load(partners.points + at), kept);
       to.Add(side, a);
@@ -91,7 +91,7 @@ inline void AddPoints(const PairBlock& block, const Partners<S>& partners, PairS
     }
     to.Add(6, squares_a);
     to.Add(7, squares_b);
-    const typename S::F squared = S::Load(block.squared_distances + u * 16);
+    const typename S::F squared = S::Load(block.squared_distances + u * kPacketLanes);
     to.Add(8, Kept<S>(squared, kept));
     to.Add(9, Kept<S>(S::Sqrt(squared), kept));
   }
@@ -107,9 +107,10 @@ inline void AddProducts(const PairBlock& block,
   for (int u = 0; u < block.packets; ++u) {
     const unsigned kept = block.kept[u];
     const float* points = block.points + u * kPacketFloats;
-    const typename S::D b = Kept<S>(S::Load(partners.points + u * kPacketFloats + 16 * side), kept);
+    const typename S::D b =
+        Kept<S>(S::Load(partners.points + u * kPacketFloats + kPacketLanes * side), kept);
     for (int i = 0; i < 3; ++i) {
-      to.Add(i, S::MulD(b, S::ToDouble(S::Load(points + 16 * i))));
+      to.Add(i, S::MulD(b, S::ToDouble(S::Load(points + kPacketLanes * i))));
     }
   }
   to.Store(sums, 10 + 3 * side);

@@ -2,6 +2,7 @@
 
 #include <immintrin.h>
 
+#include <cstddef>
 #include <cstdint>
 
 namespace cohort {
@@ -133,7 +134,7 @@ struct Avx2Simd {
              _mm256_load_pd(from + 12)}};
   }
   static void StoreD(double* to, D value) {
-    for (int i = 0; i < 4; ++i) {
+    for (ptrdiff_t i = 0; i < 4; ++i) {
       _mm256_store_pd(to + 4 * i, value.part[i]);
     }
   }
@@ -169,7 +170,7 @@ struct Avx2Simd {
   static __m256 GatherPoints8(const float* points, __m256i slots, int side) {
     const __m256i leaf = _mm256_mullo_epi32(_mm256_srli_epi32(slots, 4), _mm256_set1_epi32(48));
     const __m256i lane = _mm256_and_si256(slots, _mm256_set1_epi32(15));
-    return _mm256_i32gather_ps(points + 16 * side, _mm256_add_epi32(leaf, lane), 4);
+    return _mm256_i32gather_ps(points + ptrdiff_t{16} * side, _mm256_add_epi32(leaf, lane), 4);
   }
   static int StoreLanes8(uint32_t* to, __m256 mask, uint32_t base) {
     const int bits = _mm256_movemask_ps(mask);

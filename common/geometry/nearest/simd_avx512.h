@@ -2,6 +2,7 @@
 
 #include <immintrin.h>
 
+#include <cstddef>
 #include <cstdint>
 
 namespace cohort {
@@ -48,7 +49,7 @@ struct Avx512Simd {
   static F GatherPoints(const float* points, I slots, int side) {
     const I leaf = _mm512_mullo_epi32(_mm512_srli_epi32(slots, 4), SetI(48));
     const I offset = _mm512_add_epi32(leaf, _mm512_and_si512(slots, SetI(15)));
-    return _mm512_i32gather_ps(offset, points + 16 * side, 4);
+    return _mm512_i32gather_ps(offset, points + ptrdiff_t{16} * side, 4);
   }
 
   static M And(M a, M b) { return static_cast<M>(a & b); }

@@ -213,7 +213,7 @@ inline void WriteResults(const SettledQueries& settled,
     results.slots[i] = query.slot;
     results.squared_distances[i] = static_cast<float>(query.squared_distance);
     for (int side = 0; side < 3; ++side) {
-      results.points[i / 16 * kPacketFloats + 16 * side + i % 16] = query.point[side];
+      results.points[i / 16 * kPacketFloats + kPacketLanes * side + i % 16] = query.point[side];
     }
   }
 }

@@ -15,6 +15,15 @@ IcpMesh::IcpMesh(const Eigen::Ref<const Eigen::Matrix3Xd>& vertices,
   assert(on_boundary_.empty() || on_boundary_.size() == static_cast<size_t>(vertices.cols()));
 }
 
+IcpMesh IcpMesh::WithSurface(const TriangleMesh& mesh, std::vector<uint8_t> on_boundary) {
+  IcpMesh packed(mesh.vertices, std::move(on_boundary));
+  if (!mesh.IsPointCloud()) {
+    packed.surface_ = std::make_unique<const PackedSurface>(
+        (mesh.vertices.colwise() - packed.center_).cast<float>(), mesh.faces);
+  }
+  return packed;
+}
+
 PointTransform ToTransform(const Similarity& T) {
   PointTransform transform{};
   for (int row = 0; row < 3; ++row) {

@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "common/geometry/mesh/triangle_mesh.h"
+#include "common/geometry/nearest/packed_surface.h"
 #include "common/geometry/nearest/packet_search.h"
 #include "common/geometry/registration/similarity.h"
 
@@ -18,10 +21,15 @@ class IcpMesh {
   /// @param on_boundary  per vertex, 1 on the open boundary; empty: none is.
   explicit IcpMesh(const Eigen::Ref<const Eigen::Matrix3Xd>& vertices,
                    std::vector<uint8_t> on_boundary = {});
+  /// With its faces, for surface correspondences to it; a point cloud has none.
+  [[nodiscard]] static IcpMesh WithSurface(const TriangleMesh& mesh,
+                                           std::vector<uint8_t> on_boundary = {});
 
   /// Holds float(vertex - Center()).
   [[nodiscard]] const PackedMesh& Packed() const { return packed_; }
   [[nodiscard]] const Eigen::Vector3d& Center() const { return center_; }
+  /// Null without faces.
+  [[nodiscard]] const PackedSurface* Surface() const { return surface_.get(); }
   [[nodiscard]] bool HasBoundary() const { return !on_boundary_.empty(); }
   /// Only if HasBoundary().
   [[nodiscard]] bool IsOnBoundary(int32_t vertex) const {
@@ -35,6 +43,7 @@ class IcpMesh {
   Eigen::Vector3d center_;
   PackedMesh packed_;
   std::vector<uint8_t> on_boundary_;
+  std::unique_ptr<const PackedSurface> surface_;
 };
 
 [[nodiscard]] PointTransform ToTransform(const Similarity& T);

@@ -54,7 +54,8 @@ struct Alignment {
   /// that were nearest before that move, of the pairs that count. No extra look-up is spent on it.
   double rms_residual = 0;
   double mean_residual = 0;
-  double overlap = 1;  ///< Share of the source's vertices over the target, not beyond its border.
+  double overlap = 1;  ///< Share of the source's vertices over the target, not beyond its border;
+                       ///< 1 with surface correspondences, which do not know.
   double kept_share = 1;  ///< Share of the pairs that count.
   int64_t lookups = 0;    ///< Nearest-vertex queries made.
 };

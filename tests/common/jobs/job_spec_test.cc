@@ -33,14 +33,13 @@ JobSpec UnusualSpec() {
   spec.icp.trimmed_share = 0.1;
   spec.icp.distance_limit = 7;
   spec.icp.boundary_pairs = BoundaryPairs::kReject;
-  spec.icp.correspondence = Correspondence::kSurface;
   spec.undersampling = {.method = UndersamplingMethod::kRandom,
                         .count = 77,
                         .share = 0.5,
                         .radius = 2,
                         .seed = 0xFFFFFFFFFFFFFFF0u};
   spec.compare = {.correspondence = Correspondence::kSurface,
-                  .boundary_pairs = BoundaryPairs::kReject,
+                  .boundary_pairs = BoundaryPairs::kKeep,
                   .retention = Retention::kCompact};
   spec.retention_budget = 12345678901;
   spec.metric = Metric::kPercentile75;
@@ -153,6 +152,16 @@ INSTANTIATE_TEST_SUITE_P(
                  [](JobSpec& spec) {
                    spec.base_rule = BaseRule::kAuto;
                    spec.base = "a.ply";
+                 }},
+        BadValue{"compare.boundary_pairs is \"reject\"",
+                 [](JobSpec& spec) {
+                   spec.compare.correspondence = Correspondence::kSurface;
+                   spec.compare.boundary_pairs = BoundaryPairs::kReject;
+                 }},
+        BadValue{"icp: ICP: boundary pairs",
+                 [](JobSpec& spec) {
+                   spec.icp.correspondence = Correspondence::kSurface;
+                   spec.icp.boundary_pairs = BoundaryPairs::kReject;
                  }},
         BadValue{"mean_tolerance is -1", [](JobSpec& spec) { spec.mean_tolerance = -1; }},
         BadValue{"retention_budget is -1", [](JobSpec& spec) { spec.retention_budget = -1; }},

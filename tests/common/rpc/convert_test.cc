@@ -122,10 +122,15 @@ TEST(Convert, AJobAndItsMeshesSurviveTheWay) {
   job.finished_unix_ms = 3;
   job.meshes = 4;
   job.rejected_meshes = 1;
-  job.progress = {
-      .stage = "pose", .tasks_done = 1, .tasks_total = 2, .cost_done = 3, .cost_total = 4};
+  job.progress = {.stage = "pose",
+                  .tasks_done = 1,
+                  .tasks_total = 2,
+                  .cost_done = 3,
+                  .cost_total = 4,
+                  .stages = {{.name = "ingest", .started_unix_ms = 5, .finished_unix_ms = 6}}};
   const auto back = FromProto(ToProto(job));
   ASSERT_THAT(back, IsOk());
+  EXPECT_EQ(back->progress.stages, job.progress.stages);
   EXPECT_EQ(ToProto(*back).SerializeAsString(), ToProto(job).SerializeAsString());
   JobMesh mesh;
   mesh.mesh = {

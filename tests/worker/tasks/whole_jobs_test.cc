@@ -7,8 +7,12 @@
 
 #include <gmock/gmock.h>
 
+#include "common/geometry/comparison/distance_codec.h"
+#include "common/geometry/comparison/measure_distances.h"
 #include "common/geometry/comparison/metrics.h"
+#include "common/geometry/comparison/sketch_measure.h"
 #include "common/jobs/blobs.h"
+#include "common/jobs/field_blob.h"
 #include "common/store/memory_blob_store.h"
 #include "common/store/mesh_blob.h"
 #include "server/planning/job_plan.h"
@@ -221,6 +225,127 @@ TEST(Tasks, AStoppedTaskIsCancelled) {
   stop.request_stop();
   EXPECT_THAT(runner.Run(plan->TakeReadyTasks().at(0), stop.get_token()),
               StatusIs(absl::StatusCode::kCancelled, "stop"));
+}
+
+TEST(Tasks, AlignToAndMeasureSurfaces) {
+  MemoryBlobStore store;
+  const auto meshes = testing::PutDemoScans(store, 3, 1);
+  const FinishedJob vertices = RunJob(QuickSpec(Method::kOne), meshes, store);
+  for (const Method method : {Method::kAverage, Method::kOne, Method::kEach}) {
+    JobSpec spec = QuickSpec(method);
+    spec.icp.correspondence = Correspondence::kSurface;
+    spec.compare.correspondence = Correspondence::kSurface;
+    const FinishedJob surfaces = RunJob(spec, meshes, store);
+    ASSERT_THAT(surfaces.status, IsOk());
+    for (const auto& [pair, rms] : RmsOfPairs(surfaces, store)) {
+      if (pair.first == pair.second) {
+        EXPECT_EQ(rms, 0);
+      } else {
+        EXPECT_GT(rms, 0.1);
+        EXPECT_LT(rms, RmsOfPairs(vertices, store)[pair]);  // 300 vertices: far apart
+      }
+    }
+  }
+}
+
+TEST(Tasks, KeepTheDistancesThatTheMetricsComeFrom) {
+  MemoryBlobStore store;
+  const auto meshes = testing::PutDemoScans(store, 3, 1);
+  for (const Retention retention : {Retention::kVectors, Retention::kCompact, Retention::kSketch}) {
+    JobSpec spec = QuickSpec(Method::kOne);
+    spec.compare.retention = retention;
+    const FinishedJob job = RunJob(spec, meshes, store);
+    ASSERT_THAT(job.status, IsOk());
+    auto rms = RmsOfPairs(job, store);
+    int pairs = 0;
+    ASSERT_FALSE(job.plan->Outputs().fields.empty());
+    for (const Digest& digest : job.plan->Outputs().fields) {
+      const auto blob = DecodeFieldBlob(*store.Get(digest));
+      ASSERT_THAT(blob, IsOk());
+      EXPECT_EQ(blob->retention, retention);
+      for (const FieldBlock& block : blob->blocks) {
+        for (size_t place = 0; place < block.fields.size(); ++place) {
+          const KeptField& field = block.fields[place];
+          DistanceScratch scratch;
+          double kept = 0;
+          if (retention == Retention::kSketch) {
+            kept = MeasureSketch(*DecodeSketch(field.bytes), {})->value.metrics[0];
+          } else {
+            const std::vector<float> distances =
+                retention == Retention::kVectors
+                    ? *DecodeVectors(field.bytes, field.values)
+                    : DecodeCompact(field.bytes, field.values)->distances;
+            kept = MeasureDistances(distances, DistanceSign::kAbsolute, scratch).metrics[0];
+          }
+          const int source = block.sources[place / block.targets.size()];
+          const int target = block.targets[place % block.targets.size()];
+          EXPECT_EQ(kept, (rms[{source, target}]));
+          ++pairs;
+        }
+      }
+    }
+    EXPECT_EQ(pairs, 9);
+  }
+}
+
+TEST(Tasks, KeepNothingIfOnlyMetricsAreWanted) {
+  MemoryBlobStore store;
+  JobSpec spec = QuickSpec(Method::kOne);
+  spec.compare.retention = Retention::kAuto;
+  spec.retention_budget = 0;
+  const FinishedJob job = RunJob(spec, testing::PutDemoScans(store, 3, 1), store);
+  ASSERT_THAT(job.status, IsOk());
+  EXPECT_TRUE(job.plan->Outputs().fields.empty());
+}
+
+TEST(Tasks, ChooseTheMiddleMeshAsBase) {
+  MemoryBlobStore store;
+  const auto meshes = testing::PutDemoScans(store, 5, 1, 600);
+  JobSpec spec = QuickSpec(Method::kOne);
+  spec.base_rule = BaseRule::kAuto;
+  const FinishedJob job = RunJob(spec, meshes, store);
+  ASSERT_THAT(job.status, IsOk());
+  const auto choice = DecodeBaseBlob(*store.Get(job.plan->Outputs().base_choice));
+  ASSERT_THAT(choice, IsOk());
+  ASSERT_EQ(choice->candidates.size(), 5U);
+  // The exact medoid, from all pairs aligned to one another, is at most second to the chosen one.
+  const FinishedJob each = RunJob(QuickSpec(Method::kEach), meshes, store);
+  std::map<int, double> sums;
+  for (const auto& [pair, rms] : RmsOfPairs(each, store)) {
+    sums[pair.first] += rms;
+    sums[pair.second] += rms;
+  }
+  int better = 0;
+  for (const auto& [mesh, sum] : sums) {
+    better += sum < sums[choice->base] ? 1 : 0;
+  }
+  EXPECT_LE(better, 1);
+}
+
+TEST(Tasks, StopRoundsOnceTheMeanShapeHasSettled) {
+  MemoryBlobStore store;
+  const auto meshes = testing::PutDemoScans(store, 3, 1);
+  JobSpec spec = QuickSpec(Method::kAverage);
+  spec.rounds = 6;
+  spec.mean_tolerance = 1000;  // mm: the first round is enough
+  const FinishedJob settled = RunJob(spec, meshes, store);
+  ASSERT_THAT(settled.status, IsOk());
+  spec.rounds = 1;
+  spec.mean_tolerance = 0;
+  const FinishedJob one_round = RunJob(spec, meshes, store);
+  EXPECT_EQ(settled.plan->Outputs().mean_shape, one_round.plan->Outputs().mean_shape);
+  EXPECT_EQ(settled.plan->TotalCounters(), one_round.plan->TotalCounters());
+}
+
+TEST(Tasks, UndersampleOnlyTheAlignment) {
+  MemoryBlobStore store;
+  const auto meshes = testing::PutDemoScans(store, 3, 1);
+  JobSpec spec = QuickSpec(Method::kOne);
+  spec.undersampling = {.method = UndersamplingMethod::kRandom, .count = 100};
+  const FinishedJob job = RunJob(spec, meshes, store);
+  ASSERT_THAT(job.status, IsOk());
+  EXPECT_EQ(job.plan->TotalCounters().align.lookups, 3 * 100 * spec.icp.max_iterations);
+  EXPECT_EQ(job.plan->TotalCounters().compare.lookups, 3 * TotalVertices(job));
 }
 
 TEST(MeshCache, KeepsToItsLimitAndStillAnswers) {
