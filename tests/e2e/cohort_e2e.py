@@ -142,6 +142,24 @@ class EndToEnd(unittest.TestCase):
         for name in RESULT_FILES:
             self.assertEqual(first[name], second[name], name)
 
+    def test_results_do_not_depend_on_the_instruction_set(self):
+        outs = {}
+        for isa in ("portable", "avx2", "avx512"):
+            environment = {"COHORT_ISA": isa}
+            out = self.dir / isa
+            result = cohort("run", self.demo, "--out", out, env=environment)
+            if isa != "portable" and "does not run it" in result.stderr:
+                continue
+            self.assertEqual(result.returncode, 0, result.stderr)
+            outs[isa] = contents(out)
+        for isa, found in outs.items():
+            for name in RESULT_FILES:
+                self.assertEqual(found[name], outs["portable"][name], f"{isa}: {name}")
+        result = cohort("run", self.demo, "--out", self.dir / "x",
+                        env={"COHORT_ISA": "bogus"})
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("COHORT_ISA=bogus", result.stderr)
+
     def test_counters_are_those_of_the_thesis(self):
         n, rounds, iterations = 8, 2, 5
         expected_builds = {"average": n * rounds + rounds + 1, "one": 1, "each": n}

@@ -72,12 +72,16 @@ TEST(JobJson, KeepsEverythingThatDiffersBetweenRunsInRun) {
 }
 
 TEST(JobJson, StatesTimesInUtcAndSeconds) {
-  const Json run = Json::parse(JobJson(Example()))["run"];
-  EXPECT_EQ(run, Json({{"host", "lab-1"},
-                       {"created", "2026-03-01T12:34:56.000Z"},
-                       {"started", "2026-03-01T12:34:56.789Z"},
-                       {"finished", "2026-03-01T12:35:00.039Z"},
-                       {"seconds", 3.25}}));
+  JobJsonInput input = Example();
+  input.job.progress.stages = {{"ingest", 1000, 1250}, {"compare", 1300, 3800}};
+  const Json run = Json::parse(JobJson(input))["run"];
+  EXPECT_EQ(run,
+            Json({{"host", "lab-1"},
+                  {"created", "2026-03-01T12:34:56.000Z"},
+                  {"started", "2026-03-01T12:34:56.789Z"},
+                  {"finished", "2026-03-01T12:35:00.039Z"},
+                  {"seconds", 3.25},
+                  {"stages", {{"ingest", {{"seconds", 0.25}}}, {"compare", {{"seconds", 2.5}}}}}}));
 }
 
 TEST(JobJson, HasNullForWhatDidNotHappen) {
