@@ -63,14 +63,14 @@ std::optional<T> FromName(const Names<T, kSize>& names, std::string_view name) {
 
 }  // namespace
 
-std::string_view MethodName(Method value) {
-  return NameOf(kMethods, value);
+std::string_view MethodName(Method method) {
+  return NameOf(kMethods, method);
 }
 std::optional<Method> MethodFromName(std::string_view name) {
   return FromName(kMethods, name);
 }
-std::string_view PoseModeName(PoseMode value) {
-  return NameOf(kPoseModes, value);
+std::string_view PoseModeName(PoseMode pose) {
+  return NameOf(kPoseModes, pose);
 }
 std::optional<PoseMode> PoseModeFromName(std::string_view name) {
   return FromName(kPoseModes, name);
@@ -81,20 +81,20 @@ std::string_view SymmetrizationName(Symmetrization value) {
 std::optional<Symmetrization> SymmetrizationFromName(std::string_view name) {
   return FromName(kSymmetrizations, name);
 }
-std::string_view ScaleModeName(ScaleMode value) {
-  return NameOf(kScaleModes, value);
+std::string_view ScaleModeName(ScaleMode mode) {
+  return NameOf(kScaleModes, mode);
 }
 std::optional<ScaleMode> ScaleModeFromName(std::string_view name) {
   return FromName(kScaleModes, name);
 }
-std::string_view BaseRuleName(BaseRule value) {
-  return NameOf(kBaseRules, value);
+std::string_view BaseRuleName(BaseRule rule) {
+  return NameOf(kBaseRules, rule);
 }
 std::optional<BaseRule> BaseRuleFromName(std::string_view name) {
   return FromName(kBaseRules, name);
 }
-std::string_view RetentionName(Retention value) {
-  return NameOf(kRetentions, value);
+std::string_view RetentionName(Retention retention) {
+  return NameOf(kRetentions, retention);
 }
 std::optional<Retention> RetentionFromName(std::string_view name) {
   return FromName(kRetentions, name);
@@ -117,8 +117,8 @@ std::string_view AccelerationName(Acceleration value) {
 std::optional<Acceleration> AccelerationFromName(std::string_view name) {
   return FromName(kAccelerations, name);
 }
-std::string_view UndersamplingName(UndersamplingMethod value) {
-  return NameOf(kUndersamplings, value);
+std::string_view UndersamplingName(UndersamplingMethod method) {
+  return NameOf(kUndersamplings, method);
 }
 std::optional<UndersamplingMethod> UndersamplingFromName(std::string_view name) {
   return FromName(kUndersamplings, name);

@@ -25,8 +25,9 @@ constexpr std::array<std::string_view, 15> kHealthColumns = {
     "non_manifold_edges",    "components",       "largest_component_share",
     "boundary_share",        "diagonal",         "rms_radius",
     "surface_area",          "point_cloud",      "warnings"};
-constexpr std::array<std::string_view, 5> kAlignmentColumns = {
-    "iterations", "converged", "rms_residual", "mean_residual", "scale"};
+constexpr std::array<std::string_view, 8> kAlignmentColumns = {
+    "iterations", "converged",      "rms_residual", "mean_residual",
+    "scale",      "at_scale_limit", "overlap",      "kept_share"};
 
 using Fields = std::vector<std::string>;
 
@@ -118,10 +119,12 @@ void AppendAlignment(const Alignment* alignment, Fields& fields) {
     AppendMissing(kAlignmentColumns.size(), fields);
     return;
   }
-  AppendNames(std::array{Text(int64_t{alignment->iterations}), TruthText(alignment->converged),
-                         Text(alignment->rms_residual), Text(alignment->mean_residual),
-                         Text(alignment->T_target_source.scale)},
-              fields);
+  AppendNames(
+      std::array{Text(int64_t{alignment->iterations}), TruthText(alignment->converged),
+                 Text(alignment->rms_residual), Text(alignment->mean_residual),
+                 Text(alignment->T_target_source.scale), TruthText(alignment->at_scale_limit),
+                 Text(alignment->overlap), Text(alignment->kept_share)},
+      fields);
 }
 
 // By index of the mesh; the last one counts if a mesh has several.

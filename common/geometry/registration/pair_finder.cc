@@ -15,7 +15,7 @@ class VertexPairs final : public PairFinder {
     seed_ = SearchSeed::kPrevious;
   }
   PairSums FindAndSum(const PointTransform& transform) override {
-    const PairSums sums =
+    PairSums sums =
         search_.FindMovedAndSum(source_.Packed(), transform, target_.Packed(), seed_, nearest_);
     seed_ = SearchSeed::kPrevious;
     return sums;
@@ -52,8 +52,7 @@ class SurfacePairs final : public PairFinder {
     seed_ = SearchSeed::kPrevious;
   }
   PairSums FindAndSum(const PointTransform& transform) override {
-    const PairSums sums =
-        search_.FindMovedAndSum(source_.Packed(), transform, target_, seed_, nearest_);
+    PairSums sums = search_.FindMovedAndSum(source_.Packed(), transform, target_, seed_, nearest_);
     seed_ = SearchSeed::kPrevious;
     return sums;
   }

@@ -94,6 +94,9 @@ MeshAlignment QuarterTurn(int32_t mesh) {
   alignment.alignment.converged = true;
   alignment.alignment.rms_residual = 0.5;
   alignment.alignment.mean_residual = 0.25;
+  alignment.alignment.at_scale_limit = true;
+  alignment.alignment.overlap = 0.75;
+  alignment.alignment.kept_share = 0.875;
   alignment.alignment.T_target_source.scale = 1.5;
   alignment.alignment.T_target_source.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   alignment.alignment.T_target_source.translation << 10, -20.5, 0.1;
@@ -184,14 +187,16 @@ TEST(MeshesCsv, HasARowForEveryMeshAlsoForRejectedOnes) {
       "file,status,reason,age,person,sex,sha256,size_bytes,vertices,faces,file_vertices,file_faces,"
       "duplicate_vertices,unreferenced_vertices,degenerate_faces,duplicate_faces,"
       "non_manifold_edges,components,largest_component_share,boundary_share,diagonal,rms_radius,"
-      "surface_area,point_cloud,warnings,iterations,converged,rms_residual,mean_residual,scale\r\n"
+      "surface_area,point_cloud,warnings,iterations,converged,rms_residual,mean_residual,scale,"
+      "at_scale_limit,overlap,kept_share\r\n"
       "a.ply,ok,,NA,1,f," +
           Sha256::Of("a.ply").Hex() +
           ",1234,10,16,12,17,1,2,3,4,5,6,0.97,0.125,200.5,70.25,30000,FALSE,"
-          "\"6 components; the largest has 97 %; small, torn\",17,TRUE,0.5,0.25,1.5\r\n"
+          "\"6 components; the largest has 97 %; small, "
+          "torn\",17,TRUE,0.5,0.25,1.5,TRUE,0.75,0.875\r\n"
           "b.ply,rejected,b.ply: face 17 uses vertex 5120 of 5000,30,NA,NA," +
           Sha256::Of("b.ply").Hex() +
-          ",1234,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA\r\n");
+          ",1234,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA\r\n");
 }
 
 TEST(MeshesCsv, RenamesLabelsThatAreColumnsAlready) {
@@ -204,7 +209,7 @@ TEST(MeshesCsv, FindsTheAlignmentByTheIndexOfTheMesh) {
   const std::vector<JobMesh> meshes = {AcceptedMesh(), AcceptedMesh()};
   const Table table = ParseCsv(MeshesCsv(meshes, std::vector{QuarterTurn(1)}));
   EXPECT_EQ(table[1].back(), "NA");
-  EXPECT_EQ(table[2].back(), "1.5");
+  EXPECT_EQ(table[2].back(), "0.875");
 }
 
 TEST(TransformsCsv, WritesTheRotationRowByRow) {

@@ -195,6 +195,18 @@ TEST(Tasks, AlignToAndMeasureSurfaces) {
   }
 }
 
+/// From what was kept of the distances.
+double RmsOf(const KeptField& field, Retention retention) {
+  if (retention == Retention::kSketch) {
+    return MeasureSketch(*DecodeSketch(field.bytes), {})->value.metrics[0];
+  }
+  const std::vector<float> distances = retention == Retention::kVectors
+                                           ? *DecodeVectors(field.bytes, field.values)
+                                           : DecodeCompact(field.bytes, field.values)->distances;
+  DistanceScratch scratch;
+  return MeasureDistances(distances, DistanceSign::kAbsolute, scratch).metrics[0];
+}
+
 TEST(Tasks, KeepTheDistancesThatTheMetricsComeFrom) {
   MemoryBlobStore store;
   const auto meshes = testing::PutDemoScans(store, 3, 1);
@@ -212,21 +224,9 @@ TEST(Tasks, KeepTheDistancesThatTheMetricsComeFrom) {
       EXPECT_EQ(blob->retention, retention);
       for (const FieldBlock& block : blob->blocks) {
         for (size_t place = 0; place < block.fields.size(); ++place) {
-          const KeptField& field = block.fields[place];
-          DistanceScratch scratch;
-          double kept = 0;
-          if (retention == Retention::kSketch) {
-            kept = MeasureSketch(*DecodeSketch(field.bytes), {})->value.metrics[0];
-          } else {
-            const std::vector<float> distances =
-                retention == Retention::kVectors
-                    ? *DecodeVectors(field.bytes, field.values)
-                    : DecodeCompact(field.bytes, field.values)->distances;
-            kept = MeasureDistances(distances, DistanceSign::kAbsolute, scratch).metrics[0];
-          }
           const int source = block.sources[place / block.targets.size()];
           const int target = block.targets[place % block.targets.size()];
-          EXPECT_EQ(kept, (rms[{source, target}]));
+          EXPECT_EQ(RmsOf(block.fields[place], retention), (rms[{source, target}]));
           ++pairs;
         }
       }
