@@ -109,8 +109,7 @@ absl::Status RunWorker(const WorkerOptions& options) {
   loop_options.drain_seconds = options.drain_seconds;
   spdlog::info("event=worker_started worker={} server={} slots={} store={} isa={}",
                loop_options.worker.value, address, loop_options.slots,
-               options.store.empty() ? "rpc" : options.store,
-               InstructionSetName(instruction_set));
+               options.store.empty() ? "rpc" : options.store, InstructionSetName(instruction_set));
   WorkerLoop loop(loop_options, link, runner);
   std::stop_source stop;
   std::atomic<bool> ended = false;

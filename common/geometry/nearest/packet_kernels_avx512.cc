@@ -1,3 +1,8 @@
+// g++ 12 takes the undefined operands inside its own intrinsics for a mistake.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include "common/geometry/nearest/packet_find.h"
 #include "common/geometry/nearest/packet_pairs.h"
 #include "common/geometry/nearest/simd_avx512.h"
