@@ -44,8 +44,8 @@ struct Avx2Simd {
 
 const FieldKernels* Avx2FieldKernels() {
   using Loops = FieldLoops<Avx2Simd>;
-  static constexpr FieldKernels kKernels = {"avx2", &Loops::Accumulate, &Loops::Count,
-                                            &Loops::Pick};
+  static constexpr FieldKernels kKernels = {"avx2", &Loops::Accumulate, &Loops::Count, &Loops::Pick,
+                                            &Loops::AddSquaredDifferences};
   return &kKernels;
 }
 

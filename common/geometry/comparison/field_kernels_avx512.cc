@@ -48,7 +48,7 @@ struct Avx512Simd {
 const FieldKernels* Avx512FieldKernels() {
   using Loops = FieldLoops<Avx512Simd>;
   static constexpr FieldKernels kKernels = {"avx512", &Loops::Accumulate, &Loops::Count,
-                                            &Loops::Pick};
+                                            &Loops::Pick, &Loops::AddSquaredDifferences};
   return &kKernels;
 }
 

@@ -211,6 +211,45 @@ struct FieldLoops {
     }
   }
 
+  /// One block of rows, kWidth lanes from `lane` on.
+  static void AddBlockDifferences(const float* a,
+                                  const float* const* others,
+                                  int64_t first,
+                                  int64_t rows,
+                                  int lane,
+                                  double* lanes) {
+    Float sums[kFieldStrip] = {Simd::Splat(0), Simd::Splat(0), Simd::Splat(0), Simd::Splat(0)};
+    for (int64_t i = first * kFieldLanes + lane; i < (first + rows) * kFieldLanes;
+         i += kFieldLanes) {
+      const Float value = Simd::Load(a + i);
+      for (int k = 0; k < kFieldStrip; ++k) {
+        const Float difference = value - Simd::Load(others[k] + i);
+        sums[k] = sums[k] + difference * difference;
+      }
+    }
+    for (int k = 0; k < kFieldStrip; ++k) {
+      double* const at = lanes + k * kFieldLanes + lane;
+      Double low;
+      Double high;
+      LoadState(low, at);
+      LoadState(high, at + kHalf);
+      StoreState(low + Simd::Low(sums[k]), at);
+      StoreState(high + Simd::High(sums[k]), at + kHalf);
+    }
+  }
+
+  static void AddSquaredDifferences(const float* a,
+                                    const float* const* others,
+                                    int64_t rows,
+                                    double* lanes) {
+    for (int64_t first = 0; first < rows; first += kBlockRows) {
+      const int64_t count = rows - first < kBlockRows ? rows - first : kBlockRows;
+      for (int lane = 0; lane < kFieldLanes; lane += Simd::kWidth) {
+        AddBlockDifferences(a, others, first, count, lane, lanes);
+      }
+    }
+  }
+
   static int64_t Pick(const float* distances, int64_t rows, float low, float high, float* picked) {
     const Float lows = Simd::Splat(low);
     const Float highs = Simd::Splat(high);

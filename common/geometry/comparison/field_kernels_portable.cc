@@ -62,7 +62,7 @@ struct PortableSimd {
 const FieldKernels* PortableFieldKernels() {
   using Loops = FieldLoops<PortableSimd>;
   static constexpr FieldKernels kKernels = {"portable", &Loops::Accumulate, &Loops::Count,
-                                            &Loops::Pick};
+                                            &Loops::Pick, &Loops::AddSquaredDifferences};
   return &kKernels;
 }
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <absl/strings/str_cat.h>
 
@@ -21,6 +23,15 @@ constexpr double kLargestScaleChange = 10.0;
 
 /// The rigid motion that comes first need not be exact.
 constexpr double kRigidTolerance = 0.02;
+/// Nor need the run over a few vertices, which is off by their scatter anyway.
+constexpr double kCoarseTolerance = 1e-4;
+/// It takes less to see which of two starts is the better one.
+constexpr double kTrialTolerance = 5e-3;
+/// One vertex of each leaf.
+constexpr int kCoarseStride = PackedMesh::kLanes;
+constexpr int kFewestCoarseVertices = 64;
+/// Starts whose scales differ less are the same.
+constexpr double kLeastScaleChange = 0.02;
 
 /// When a phase of the run is over.
 struct StopRule {
@@ -53,15 +64,20 @@ ScaleRule RuleFor(const IcpOptions& options, double start_scale) {
   return rule;
 }
 
-/// Passes from `pose` until the stop rule holds (true) or the iterations are used up (false);
-/// leaves the last fit in `pose`.
-absl::StatusOr<bool> Iterate(const ScaleRule& rule,
-                             const StopRule& stop,
-                             const IcpOptions& options,
-                             IcpRun& run,
-                             Similarity& pose,
-                             IcpTrace* trace) {
-  const double start_scale = rule.mode == ScaleMode::kOff ? rule.fixed : pose.scale;
+/// How a phase ended.
+struct Outcome {
+  bool converged = false;  ///< Else the iterations were used up.
+  double error = 0;        ///< Before the last fit.
+};
+
+/// Passes from `pose` until the stop rule holds; leaves the last fit in `pose`.
+absl::StatusOr<Outcome> Iterate(const ScaleRule& rule,
+                                const StopRule& stop,
+                                double start_scale,
+                                const IcpOptions& options,
+                                IcpRun& run,
+                                Similarity& pose,
+                                IcpTrace* trace) {
   Distances best;
   Similarity step = pose;  // The textbook's step from the last pose that was gone on from.
   std::optional<AndersonMixing> mixing;
@@ -94,7 +110,114 @@ absl::StatusOr<bool> Iterate(const ScaleRule& rule,
     is_textbook_step = !mixing->HasHistory();
   }
   pose = step;
-  return has_converged;
+  return Outcome{.converged = has_converged, .error = best.error};
+}
+
+/// Rigid first, if the options ask for it; then with the scale.
+absl::StatusOr<Outcome> IterateInPhases(const StopRule& stop,
+                                        double start_scale,
+                                        const IcpOptions& options,
+                                        IcpRun& run,
+                                        Similarity& pose,
+                                        IcpTrace* trace) {
+  if (options.scale_mode != ScaleMode::kOff && options.rigid_first) {
+    COHORT_RETURN_IF_ERROR(Iterate({.mode = ScaleMode::kOff, .fixed = pose.scale},
+                                   {.relative_tolerance = kRigidTolerance}, pose.scale, options,
+                                   run, pose, trace)
+                               .status());
+  }
+  return Iterate(RuleFor(options, start_scale), stop, start_scale, options, run, pose, trace);
+}
+
+/// Counting passes means counting them all, and the textbook's run knows no other.
+bool StartsCoarse(const IcpMesh& source, const IcpOptions& options) {
+  return options.acceleration != Acceleration::kNone && options.tolerance > 0 &&
+         source.Packed().VertexCount() >= kCoarseStride * kFewestCoarseVertices;
+}
+
+/// The same vertices as seen from another origin: T takes x, the result x + `origin` - `moved_to`.
+Similarity WithSourceOrigin(Similarity T,
+                            const Eigen::Vector3d& origin,
+                            const Eigen::Vector3d& moved_to) {
+  T.translation = T.ApplyToPoint(moved_to - origin);
+  return T;
+}
+
+/// One vertex of each leaf, in the packed frame.
+IcpMesh CoarseMesh(const PackedMesh& packed) {
+  Eigen::Matrix3Xd chosen(3, packed.VertexCount() / kCoarseStride);
+  for (Eigen::Index i = 0; i < chosen.cols(); ++i) {
+    const auto slot = static_cast<int>(i) * kCoarseStride + kCoarseStride / 2;
+    chosen.col(i) = packed.PointOfSlot(slot).cast<double>();
+  }
+  return IcpMesh(chosen);
+}
+
+/// RMS distance of the vertices from the center.
+double RadiusOf(const PackedMesh& packed) {
+  double sum = 0;
+  for (int slot = 0; slot < packed.VertexCount(); slot += kCoarseStride) {
+    sum += packed.PointOfSlot(slot).cast<double>().squaredNorm();
+  }
+  return std::sqrt(sum);
+}
+
+/// The start, and where the scale is free also the start with the scale that makes the meshes
+/// equally large: from the wrong size ICP may settle with a part of one mesh on a part of the
+/// other.
+std::vector<Similarity> CoarseStarts(const PackedMesh& source,
+                                     const PackedMesh& target,
+                                     const Similarity& pose,
+                                     const ScaleRule& rule) {
+  std::vector<Similarity> starts = {pose};
+  if (rule.mode != ScaleMode::kOff) {
+    const double samples = static_cast<double>(source.VertexCount()) / target.VertexCount();
+    const double scale = std::clamp(RadiusOf(target) / RadiusOf(source) * std::sqrt(samples),
+                                    rule.least, rule.greatest);
+    if (std::abs(scale / pose.scale - 1) > kLeastScaleChange) {
+      starts.push_back(pose);
+      starts.back().scale = scale;
+    }
+  }
+  return starts;
+}
+
+/// Brings `pose` near the end at little cost: aligns one vertex of each leaf of the source, the
+/// better of the starts to the end.
+/// @return false, and `pose` as it was, where those few cannot be aligned.
+bool AlignCoarsely(const IcpMesh& source,
+                   const IcpMesh& target,
+                   const IcpOptions& options,
+                   PacketSearch& search,
+                   Similarity& pose,
+                   int64_t& lookups) {
+  const IcpMesh coarse = CoarseMesh(source.Packed());
+  const double start_scale = pose.scale;
+  const ScaleRule rule = RuleFor(options, start_scale);
+  StopRule stop = {.relative_tolerance = kTrialTolerance, .distance = &Distances::rms};
+  std::optional<Similarity> nearest;
+  double least_error = std::numeric_limits<double>::infinity();
+  for (const Similarity& start : CoarseStarts(source.Packed(), target.Packed(), pose, rule)) {
+    IcpRun run(coarse, target, options, search);
+    Similarity found = WithSourceOrigin(start, Eigen::Vector3d::Zero(), coarse.Center());
+    const auto outcome = IterateInPhases(stop, start_scale, options, run, found, nullptr);
+    lookups += run.Passes() * int64_t{coarse.Packed().VertexCount()};
+    if (outcome.ok() && outcome->error < least_error) {
+      least_error = outcome->error;
+      nearest = found;
+    }
+  }
+  if (!nearest.has_value()) {
+    return false;
+  }
+  stop.relative_tolerance = kCoarseTolerance;
+  IcpRun run(coarse, target, options, search);
+  const auto outcome = Iterate(rule, stop, start_scale, options, run, *nearest, nullptr);
+  lookups += run.Passes() * int64_t{coarse.Packed().VertexCount()};
+  if (outcome.ok()) {
+    pose = WithSourceOrigin(*nearest, coarse.Center(), Eigen::Vector3d::Zero());
+  }
+  return outcome.ok();
 }
 
 }  // namespace
@@ -142,22 +265,25 @@ absl::StatusOr<Alignment> AlignByIcp(const IcpMesh& source,
     return absl::FailedPreconditionError(
         "ICP: surface correspondences need faces, the target is a point cloud");
   }
-  IcpRun run(source, target, options, search);
   Similarity pose = T_target_source;
   pose.translation = T_target_source.ApplyToPoint(source.Center()) - target.Center();
-  if (options.scale_mode != ScaleMode::kOff && options.rigid_first) {
-    COHORT_RETURN_IF_ERROR(Iterate({.mode = ScaleMode::kOff, .fixed = pose.scale},
-                                   {.relative_tolerance = kRigidTolerance}, options, run, pose,
-                                   trace)
-                               .status());
-  }
-  Alignment alignment;
+  const double start_scale = pose.scale;
+  const ScaleRule rule = RuleFor(options, start_scale);
   const StopRule stop = {
       .tolerance = options.tolerance,
       .distance = options.acceleration == Acceleration::kNone ? &Distances::mean : &Distances::rms};
-  const ScaleRule rule = RuleFor(options, pose.scale);
-  COHORT_ASSIGN_OR_RETURN(alignment.converged, Iterate(rule, stop, options, run, pose, trace));
+  Alignment alignment;
+  int64_t coarse_lookups = 0;
+  const bool is_near = StartsCoarse(source, options) &&
+                       AlignCoarsely(source, target, options, search, pose, coarse_lookups);
+  IcpRun run(source, target, options, search);
+  const absl::StatusOr<Outcome> outcome =
+      is_near ? Iterate(rule, stop, start_scale, options, run, pose, trace)
+              : IterateInPhases(stop, start_scale, options, run, pose, trace);
+  COHORT_RETURN_IF_ERROR(outcome.status());
+  alignment.converged = outcome->converged;
   run.Report(pose, alignment);
+  alignment.lookups += coarse_lookups;
   alignment.at_scale_limit = options.scale_mode != ScaleMode::kOff &&
                              (pose.scale == rule.least || pose.scale == rule.greatest);
   alignment.T_target_source = pose;

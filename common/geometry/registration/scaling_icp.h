@@ -15,8 +15,10 @@ namespace cohort {
 
 /// How ICP goes from one pose to the next.
 enum class Acceleration {
-  kNone,      ///< To the best fit to the nearest vertices: the textbook's step.
-  kAnderson,  ///< Extrapolates the last steps, and takes the textbook's step where that is worse.
+  kNone,  ///< To the best fit to the nearest vertices: the textbook's step.
+  /// Extrapolates the last steps, and takes the textbook's step where that is worse. Comes near the
+  /// end with a sixteenth of the vertices first, unless all iterations are asked for (tolerance 0).
+  kAnderson,
 };
 
 /// Pairs whose target vertex lies on the open boundary: the source reaches beyond the target there.
@@ -47,7 +49,7 @@ struct IcpOptions {
 /// Similarity and how well it converged.
 struct Alignment {
   Similarity T_target_source;
-  int iterations = 0;      ///< Passes = look-ups / vertices.
+  int iterations = 0;      ///< Passes over all vertices.
   bool converged = false;  ///< The stop rule held before max_iterations was reached.
   bool at_scale_limit = false;
   /// Of the last pass: source vertices, moved by T_target_source, to the vertices of the target
@@ -57,12 +59,12 @@ struct Alignment {
   double overlap = 1;  ///< Share of the source's vertices over the target, not beyond its border;
                        ///< 1 with surface correspondences, which do not know.
   double kept_share = 1;  ///< Share of the pairs that count.
-  int64_t lookups = 0;    ///< Nearest-vertex queries made.
+  int64_t lookups = 0;    ///< Nearest-vertex queries made, those of the coarse run included.
 };
 
 /// The squared error (mean over the pairs that count; for ScaleMode::kSymmetric divided by the
-/// scale) at each pose that ICP went on from. Never rises, but for rounding, as long as no boundary
-/// pairs are rejected.
+/// scale) at each pose that ICP went on from, the coarse run left out. Never rises, but for
+/// rounding, as long as no boundary pairs are rejected.
 using IcpTrace = std::vector<double>;
 
 /// Scaling ICP: repeat { nearest vertex of each source vertex, closed-form similarity }.
@@ -77,7 +79,8 @@ using IcpTrace = std::vector<double>;
 /// @return kInvalidArgument for bad options or too few vertices; kFailedPrecondition if the fit is
 ///         impossible, fewer than 3 pairs count, or the scale leaves [0.1, 10] times the start
 ///         (collapse).
-/// Source: Besl, McKay 1992; Horn 1987; thesis section 3.2; Walker, Ni 2011 (Anderson mixing).
+/// Source: Besl, McKay 1992; Horn 1987; thesis section 3.2; Walker, Ni 2011 (Anderson mixing);
+///         Jost, Huegli 2003 (coarse to fine).
 [[nodiscard]] absl::StatusOr<Alignment> AlignByIcp(const IcpMesh& source,
                                                    const IcpMesh& target,
                                                    const Similarity& T_target_source,

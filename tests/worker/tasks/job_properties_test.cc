@@ -29,6 +29,7 @@ std::vector<TriangleMesh> Faces() {
   options.captures = 1;
   options.vertices = 800;
   std::vector<TriangleMesh> faces;
+  faces.reserve(kPeople);
   for (int person = 0; person < kPeople; ++person) {
     faces.push_back(MakeDemoScan(options, person, 0)->mesh);
   }
@@ -130,6 +131,7 @@ TEST_P(JobProperties, HardlyChangeUnderACommonRigidMotion) {
   MemoryBlobStore store;
   const std::vector<TriangleMesh> faces = Faces();
   std::vector<TriangleMesh> moved;
+  moved.reserve(faces.size());
   for (const TriangleMesh& face : faces) {
     moved.push_back(Moved(face, SomeMotion(1)));
   }

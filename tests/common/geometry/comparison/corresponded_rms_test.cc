@@ -1,0 +1,97 @@
+#include "common/geometry/comparison/corresponded_rms.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/base/random.h"
+#include "common/geometry/comparison/field_kernels.h"
+
+namespace cohort {
+namespace {
+
+Eigen::Matrix3Xf SomeField(uint64_t seed, int64_t vertices) {
+  Random random(seed);
+  Eigen::Matrix3Xf field(3, vertices);
+  for (Eigen::Index i = 0; i < field.size(); ++i) {
+    field.data()[i] = static_cast<float>(6 * random.Uniform() - 3);
+  }
+  return field;
+}
+
+DisplacementFields SomeFields(uint64_t seed, int64_t meshes, int64_t vertices) {
+  DisplacementFields fields(vertices);
+  for (int64_t mesh = 0; mesh < meshes; ++mesh) {
+    fields.Add(SomeField(seed + static_cast<uint64_t>(mesh), vertices));
+  }
+  return fields;
+}
+
+double Brute(const DisplacementFields& rows,
+             int64_t row,
+             const DisplacementFields& columns,
+             int64_t column) {
+  const Eigen::Matrix3Xd difference =
+      rows.Of(row).cast<double>() - columns.Of(column).cast<double>();
+  return std::sqrt(difference.squaredNorm() / static_cast<double>(rows.VertexCount()));
+}
+
+TEST(CorrespondedRms, EqualsBruteForceForAllSizes) {
+  for (const int64_t vertices : {1, 5, 16, 17, 341, 342, 9000}) {
+    for (const int64_t meshes : {1, 3, 4, 17}) {
+      const DisplacementFields rows = SomeFields(1, meshes, vertices);
+      const DisplacementFields columns = SomeFields(100, meshes + 2, vertices);
+      const Eigen::MatrixXd rms = CorrespondedRms(rows, columns);
+      ASSERT_EQ(rms.rows(), meshes);
+      ASSERT_EQ(rms.cols(), meshes + 2);
+      for (int64_t i = 0; i < rms.rows(); ++i) {
+        for (int64_t j = 0; j < rms.cols(); ++j) {
+          const double truth = Brute(rows, i, columns, j);
+          EXPECT_NEAR(rms(i, j), truth, 5e-6 * truth)
+              << vertices << " vertices, " << i << ", " << j;
+        }
+      }
+    }
+  }
+}
+
+TEST(CorrespondedRms, IsSymmetricWithAnExactlyZeroDiagonalWhateverTheBlocks) {
+  const DisplacementFields fields = SomeFields(7, 21, 700);
+  const Eigen::MatrixXd rms = CorrespondedRms(fields, fields);
+  EXPECT_EQ(rms, Eigen::MatrixXd(rms.transpose()));
+  EXPECT_EQ(rms.diagonal().cwiseAbs().maxCoeff(), 0);
+  const DisplacementFields some = SomeFields(7 + 3, 2, 700);
+  EXPECT_EQ(CorrespondedRms(fields, some), Eigen::MatrixXd(rms.middleCols(3, 2)));
+}
+
+TEST(CorrespondedRms, OfATranslationIsItsLength) {
+  DisplacementFields fields(100);
+  fields.Add(Eigen::Matrix3Xf::Zero(3, 100));
+  fields.Add(Eigen::Matrix3Xf::Ones(3, 100) * 2);
+  EXPECT_DOUBLE_EQ(CorrespondedRms(fields, fields)(0, 1), std::sqrt(12.0));
+}
+
+TEST(FieldKernels, AddTheSameDifferencesOnAllInstructionSets) {
+  constexpr int64_t kRows = 150;
+  std::vector<std::vector<float>> fields;
+  for (uint64_t seed = 0; seed <= kFieldStrip; ++seed) {
+    const Eigen::Matrix3Xf field = SomeField(seed, kRows * kFieldLanes);
+    fields.emplace_back(field.data(), field.data() + kRows * kFieldLanes);
+  }
+  const float* const others[kFieldStrip] = {fields[1].data(), fields[2].data(), fields[3].data(),
+                                            fields[4].data()};
+  std::vector<double> expected;
+  for (const FieldKernels* kernels : RunnableFieldKernels()) {
+    std::vector<double> lanes(kFieldStrip * kFieldLanes, 0.5);
+    kernels->add_squared_differences(fields[0].data(), others, kRows, lanes.data());
+    if (expected.empty()) {
+      expected = lanes;
+    }
+    EXPECT_EQ(lanes, expected) << kernels->name;
+  }
+}
+
+}  // namespace
+}  // namespace cohort
