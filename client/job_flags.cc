@@ -149,6 +149,11 @@ void JobFlags::AddComparisonOptionsTo(CLI::App& command) {
   add("--retention", retention,
       "what is kept of the distances: vectors (all), compact (all, to 1 um), sketch (0.5 KB a "
       "pair), metrics, auto (the richest within the budget) [auto]");
+  command
+      .add_flag("--preview", preview,
+                "before the comparison, a quick matrix: RMS over corresponding points of the mean "
+                "shape; never in place of the exact one")
+      ->group(group);
   add("--retention-budget", retention_budget_gb, "for auto, GB [2]");
 }
 
@@ -214,6 +219,7 @@ absl::StatusOr<JobSpec> JobFlags::ToSpec() const {
                                      MetricFromName, spec.metric));
   COHORT_RETURN_IF_ERROR(SetFromName(symmetrize, "--symmetrize", "mean, max or directed",
                                      SymmetrizationFromName, spec.symmetrization));
+  spec.preview = preview;
   SetIfGiven(neighbours, spec.neighbours);
   SetIfGiven(position_bits, spec.position_bits);
   SetIfGiven(size_ratio_limit, spec.size_ratio_limit);

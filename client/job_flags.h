@@ -32,6 +32,7 @@ struct JobFlags {
   std::optional<std::string> boundary;
   std::optional<std::string> retention;
   std::optional<double> retention_budget_gb;
+  bool preview = false;
   std::optional<std::string> metric;
   std::optional<std::string> symmetrize;
   std::optional<int> neighbours;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "client/files.h"
+#include "client/preview.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
 #include "common/jobs/blobs.h"
@@ -31,20 +32,8 @@ struct Fetched {
   std::vector<std::string> persons;  ///< One per row of the matrix.
   TriangleMesh mean_shape;
   VariationSummary variation;
+  BaseChoice base_choice;  ///< Without candidates if the base was given.
 };
-
-MetricMatrix WithoutRejected(const RowMajorMatrix& values, const std::vector<JobMesh>& meshes) {
-  std::vector<Eigen::Index> kept;
-  MetricMatrix matrix;
-  for (size_t i = 0; i < meshes.size(); ++i) {
-    if (meshes[i].rejection.empty()) {
-      kept.push_back(static_cast<Eigen::Index>(i));
-      matrix.labels.push_back(meshes[i].mesh.name);
-    }
-  }
-  matrix.values = values(kept, kept);
-  return matrix;
-}
 
 absl::StatusOr<std::vector<MeshAlignment>> FetchAlignments(Session& session,
                                                            const JobOutputs& outputs) {
@@ -80,6 +69,10 @@ absl::StatusOr<Fetched> Fetch(Session& session, const JobId& id, std::optional<M
   COHORT_ASSIGN_OR_RETURN(fetched.mean_shape, DecodeMeshBlob(shape));
   COHORT_ASSIGN_OR_RETURN(const std::string summary, session.Blobs().Get(outputs.summary));
   COHORT_ASSIGN_OR_RETURN(fetched.variation, DecodeSummaryBlob(summary));
+  if (!outputs.base_choice.empty()) {
+    COHORT_ASSIGN_OR_RETURN(const std::string choice, session.Blobs().Get(outputs.base_choice));
+    COHORT_ASSIGN_OR_RETURN(fetched.base_choice, DecodeBaseBlob(choice));
+  }
   return fetched;
 }
 
@@ -93,6 +86,8 @@ class FolderWriter {
     files_.push_back(file);
     return WriteWholeFile(folder_ / file.name, *bytes);
   }
+  /// A file that was written by others.
+  void Note(const ResultFile& file) { files_.push_back(file); }
   [[nodiscard]] const std::vector<ResultFile>& Files() const { return files_; }
 
  private:
@@ -121,6 +116,11 @@ absl::Status WriteTables(FolderWriter& out,
   COHORT_RETURN_IF_ERROR(
       out.Write({"transforms.csv", "similarity of each mesh to the reference", "mm"},
                 TransformsCsv(fetched.meshes, fetched.alignments)));
+  if (!fetched.base_choice.candidates.empty()) {
+    COHORT_RETURN_IF_ERROR(out.Write(
+        {"base_choice.csv", "mean distance of each candidate for the base to the others", "mm"},
+        BaseChoiceCsv(fetched.meshes, fetched.base_choice)));
+  }
   COHORT_RETURN_IF_ERROR(
       out.Write({"matrix.npy", "matrix.csv for NumPy, row = source, column = target", unit},
                 MatrixNpy(fetched.matrix.values)));
@@ -176,6 +176,11 @@ absl::StatusOr<ResultsDigest> WriteResults(Session& session,
   FolderWriter out(folder);
   COHORT_RETURN_IF_ERROR(WriteTables(out, fetched, neighbours, ValueUnit(description)));
   COHORT_RETURN_IF_ERROR(WritePictures(out, fetched, description));
+  if (spec.preview) {
+    COHORT_RETURN_IF_ERROR(WritePreview(session, fetched.job, folder).status());
+    out.Note({"preview_matrix.csv", "RMS over corresponding points, not the exact matrix", "mm"});
+    out.Note({"preview_heatmap.png", "preview_matrix.csv as a picture", "mm"});
+  }
 
   ResultsDigest digest;
   digest.job = fetched.job;

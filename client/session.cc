@@ -254,8 +254,41 @@ absl::StatusOr<JobOutputs> Session::GetOutputs(const JobId& id) {
   }
   COHORT_ASSIGN_OR_RETURN(outputs.mean_shape, Digest::FromHex(response.mean_shape_sha256()));
   COHORT_ASSIGN_OR_RETURN(outputs.summary, Digest::FromHex(response.summary_sha256()));
+  if (!response.base_choice_sha256().empty()) {
+    COHORT_ASSIGN_OR_RETURN(outputs.base_choice, Digest::FromHex(response.base_choice_sha256()));
+  }
   return outputs;
 }
+
+namespace {
+
+RowMajorMatrix UnknownMatrix(int64_t count) {
+  return RowMajorMatrix::Constant(count, count, std::numeric_limits<double>::quiet_NaN());
+}
+
+/// Puts the values of a block, row by row, into their places.
+/// @return kDataLoss if they do not fit the block or the matrix.
+template <typename Indices, typename Values>
+absl::Status FillBlock(const JobId& id,
+                       const Indices& rows,
+                       const Indices& columns,
+                       const Values& values,
+                       RowMajorMatrix& matrix) {
+  const auto in_range = [&](int32_t index) { return index >= 0 && index < matrix.rows(); };
+  if (int64_t{rows.size()} * columns.size() != values.size() ||
+      !std::all_of(rows.begin(), rows.end(), in_range) ||
+      !std::all_of(columns.begin(), columns.end(), in_range)) {
+    return absl::DataLossError("job " + id.value + ": the server sent a broken matrix block");
+  }
+  for (int row = 0; row < rows.size(); ++row) {
+    for (int column = 0; column < columns.size(); ++column) {
+      matrix(rows[row], columns[column]) = values[row * columns.size() + column];
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
 
 absl::StatusOr<RowMajorMatrix> Session::GetMatrix(const JobId& id, Metric metric, int64_t count) {
   v1::GetMatrixRequest request;
@@ -264,27 +297,37 @@ absl::StatusOr<RowMajorMatrix> Session::GetMatrix(const JobId& id, Metric metric
   grpc::ClientContext context;
   SetDeadline(context, kStreamDeadlineSeconds);
   const auto reader = results_->GetMatrix(&context, request);
-  RowMajorMatrix matrix =
-      RowMajorMatrix::Constant(count, count, std::numeric_limits<double>::quiet_NaN());
-  const auto in_range = [count](int32_t index) { return index >= 0 && index < count; };
+  RowMajorMatrix matrix = UnknownMatrix(count);
   v1::GetMatrixResponse block;
   while (reader->Read(&block)) {
-    const int rows = block.sources_size();
-    const int columns = block.targets_size();
-    if (int64_t{rows} * columns != block.values_size() ||
-        !std::all_of(block.sources().begin(), block.sources().end(), in_range) ||
-        !std::all_of(block.targets().begin(), block.targets().end(), in_range)) {
+    if (absl::Status status =
+            FillBlock(id, block.sources(), block.targets(), block.values(), matrix);
+        !status.ok()) {
       context.TryCancel();
-      return absl::DataLossError("job " + id.value + ": the server sent a broken matrix block");
-    }
-    for (int row = 0; row < rows; ++row) {
-      for (int column = 0; column < columns; ++column) {
-        matrix(block.sources(row), block.targets(column)) = block.values(row * columns + column);
-      }
+      return status;
     }
   }
   COHORT_RETURN_IF_ERROR(FromGrpcStatus(reader->Finish(), address_));
   return matrix;
+}
+
+absl::StatusOr<RowMajorMatrix> Session::GetPreview(const JobId& id, int64_t count) {
+  v1::GetPreviewRequest request;
+  request.set_id(id.value);
+  grpc::ClientContext context;
+  SetDeadline(context, kStreamDeadlineSeconds);
+  const auto reader = results_->GetPreview(&context, request);
+  RowMajorMatrix matrix = UnknownMatrix(count);
+  v1::GetPreviewResponse block;
+  while (reader->Read(&block)) {
+    if (absl::Status status = FillBlock(id, block.rows(), block.columns(), block.values(), matrix);
+        !status.ok()) {
+      context.TryCancel();
+      return status;
+    }
+  }
+  COHORT_RETURN_IF_ERROR(FromGrpcStatus(reader->Finish(), address_));
+  return matrix.array().isNaN().select(matrix.transpose().eval(), matrix);
 }
 
 }  // namespace cohort

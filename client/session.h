@@ -54,6 +54,8 @@ class Session {
   [[nodiscard]] absl::StatusOr<RowMajorMatrix> GetMatrix(const JobId& id,
                                                          Metric metric,
                                                          int64_t count);
+  /// The preview, undirected; kFailedPrecondition if there is none (yet).
+  [[nodiscard]] absl::StatusOr<RowMajorMatrix> GetPreview(const JobId& id, int64_t count);
   [[nodiscard]] BlobStore& Blobs() { return blobs_; }
   [[nodiscard]] const std::string& Address() const { return address_; }
 

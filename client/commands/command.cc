@@ -20,11 +20,16 @@ absl::StatusOr<std::unique_ptr<Session>> ServerFlags::Connect() const {
   return Session::Open(server);
 }
 
-absl::StatusOr<Job> FollowJob(Session& session, const JobId& id) {
+absl::StatusOr<Job> FollowJob(Session& session,
+                              const JobId& id,
+                              const std::function<std::string(const Job&)>& remark) {
   ProgressLine line(stderr);
   const auto start = std::chrono::steady_clock::now();
   return session.WatchJob(id, [&](const Job& job) {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    if (const std::string text = remark ? remark(job) : ""; !text.empty()) {
+      line.Say(text);
+    }
     line.Show(job, elapsed.count());
     return true;
   });

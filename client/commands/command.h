@@ -38,8 +38,10 @@ void AddResultsCommand(CLI::App& app, Action& action);
 void AddDemoCommand(CLI::App& app, Action& action);
 
 /// Follows a job until it has ended, showing its progress on stderr.
+/// @param remark  asked at every change for a line to be shown besides; empty: none.
 /// @return the job; as Session::WatchJob.
-[[nodiscard]] absl::StatusOr<Job> FollowJob(Session& session, const JobId& id);
+[[nodiscard]] absl::StatusOr<Job> FollowJob(
+    Session& session, const JobId& id, const std::function<std::string(const Job&)>& remark = {});
 
 /// The exit code for a job that has ended (kExitOk, kExitRejected, kExitJobFailed, kExitCancelled).
 /// Prints the job's error to stderr.

@@ -1,4 +1,5 @@
 // Commands about jobs on a server: submit, status, watch, jobs, cancel, results.
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "client/job_flags.h"
 #include "client/output/exit_codes.h"
 #include "client/output/job_text.h"
+#include "client/preview.h"
 #include "client/results_folder.h"
 #include "common/base/status_macros.h"
 
@@ -25,6 +27,7 @@ struct JobCommandFlags {
   std::string request_id;
   JobFlags spec;
   bool wait = false;
+  bool preview = false;
   int limit = 20;
 };
 
@@ -96,7 +99,25 @@ absl::StatusOr<int> Cancel(const JobCommandFlags& flags) {
   return kExitOk;
 }
 
+absl::StatusOr<int> Preview(const JobCommandFlags& flags) {
+  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, flags.server.Connect());
+  COHORT_ASSIGN_OR_RETURN(const Job job, session->GetJob(JobId{flags.job}));
+  COHORT_ASSIGN_OR_RETURN(const int64_t meshes, WritePreview(*session, job, flags.out));
+  if (flags.server.json) {
+    std::cout << nlohmann::json({{"job", job.id.value}, {"meshes", meshes}, {"folder", flags.out}})
+                     .dump(2)
+              << "\n";
+  } else {
+    std::cout << "preview of " << meshes << " meshes (corresponded RMS, not the exact matrix): "
+              << (std::filesystem::path(flags.out) / "preview_matrix.csv").string() << "\n";
+  }
+  return kExitOk;
+}
+
 absl::StatusOr<int> Results(const JobCommandFlags& flags) {
+  if (flags.preview) {
+    return Preview(flags);
+  }
   std::optional<Metric> metric;
   if (!flags.metric.empty()) {
     metric = MetricFromName(flags.metric);
@@ -179,6 +200,8 @@ void AddResultsCommand(CLI::App& app, Action& action) {
   command->add_option("--out", flags->out, "folder; made if new")->required();
   command->add_option("--metric", flags->metric,
                       "another metric than the job's; nothing is computed anew");
+  command->add_flag("--preview", flags->preview,
+                    "only the preview of a job with --preview, which may still run");
   command->footer("Example: cohort results j-000001 --out results --metric p75");
 }
 

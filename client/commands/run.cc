@@ -16,6 +16,7 @@
 #include "client/local_cluster.h"
 #include "client/output/exit_codes.h"
 #include "client/output/job_text.h"
+#include "client/preview.h"
 #include "client/results_folder.h"
 #include "client/upload.h"
 #include "common/base/process.h"
@@ -72,7 +73,18 @@ absl::StatusOr<ResultsDigest> Compute(const RunFlags& flags,
   const std::string set = folder_name.substr(0, 100) + "-" + request.substr(0, kHashInName);
   COHORT_RETURN_IF_ERROR(Upload(*session, set, files).status());
   COHORT_ASSIGN_OR_RETURN(Job job, session->CreateJob(set, spec, request));
-  COHORT_ASSIGN_OR_RETURN(job, FollowJob(*session, job.id));
+  bool wrote_preview = false;
+  const auto write_preview = [&](const Job& now) -> std::string {
+    if (wrote_preview || !HasFreshPreview(now)) {
+      return "";
+    }
+    wrote_preview = true;
+    const absl::Status written = WritePreview(*session, now, flags.out).status();
+    return written.ok() ? "preview (corresponded RMS, not the exact matrix): " +
+                              (std::filesystem::path(flags.out) / "preview_matrix.csv").string()
+                        : "no preview: " + std::string(written.message());
+  };
+  COHORT_ASSIGN_OR_RETURN(job, FollowJob(*session, job.id, write_preview));
   if (job.state != JobState::kSucceeded) {
     ResultsDigest ended;
     ended.job = job;

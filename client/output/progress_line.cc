@@ -55,6 +55,12 @@ ProgressLine::~ProgressLine() {
   }
 }
 
+void ProgressLine::Say(const std::string& text) {
+  std::fprintf(out_, "%s%s\n", open_ ? "\r\x1b[K" : "", text.c_str());
+  std::fflush(out_);
+  open_ = false;
+}
+
 void ProgressLine::Show(const Job& job, double elapsed_seconds) {
   if (is_terminal_) {
     std::fprintf(out_, "\r\x1b[K%s", FormatProgress(job, elapsed_seconds, kBarWidth).c_str());

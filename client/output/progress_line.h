@@ -19,6 +19,8 @@ class ProgressLine {
 
   /// @param elapsed_seconds  since the job was first shown; monotonic.
   void Show(const Job& job, double elapsed_seconds);
+  /// Puts a line of text above it.
+  void Say(const std::string& text);
 
  private:
   std::FILE* out_;

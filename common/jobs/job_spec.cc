@@ -42,6 +42,10 @@ absl::Status JobSpec::Validate() const {
   if (retention_budget < 0) {
     return Refused("retention_budget", retention_budget, "at least 0 bytes");
   }
+  if (preview && method == Method::kEach) {
+    return Refused("preview", "true",
+                   "false with the method \"each\", which has no common reference");
+  }
   if (neighbours < 1) {
     return Refused("neighbours", neighbours, "at least 1");
   }
@@ -113,6 +117,7 @@ nlohmann::json ToJson(const JobSpec& spec) {
             {"boundary_pairs", BoundaryPairsName(spec.compare.boundary_pairs)},
             {"retention", RetentionName(spec.compare.retention)}}},
           {"retention_budget", spec.retention_budget},
+          {"preview", spec.preview},
           {"metric", MetricName(spec.metric)},
           {"symmetrization", SymmetrizationName(spec.symmetrization)},
           {"neighbours", spec.neighbours},
@@ -167,6 +172,7 @@ absl::StatusOr<JobSpec> JobSpecFromJson(const nlohmann::json& json) {
                     [&spec](JsonFields& item) { ReadUndersampling(item, spec.undersampling); });
   fields.ReadObject("compare", [&spec](JsonFields& item) { ReadCompare(item, spec.compare); });
   fields.Read("retention_budget", spec.retention_budget);
+  fields.Read("preview", spec.preview);
   fields.ReadName("metric", MetricFromName, spec.metric);
   fields.ReadName("symmetrization", SymmetrizationFromName, spec.symmetrization);
   fields.Read("neighbours", spec.neighbours);

@@ -69,6 +69,8 @@ struct JobSpec {
   UndersamplingOptions undersampling;  ///< Of the moving meshes, in every alignment.
   CompareOptions compare;
   int64_t retention_budget = int64_t{2} << 30;  ///< Bytes for Retention::kAuto.
+  /// Before the comparison, a matrix of what correspondences over the last reference tell.
+  bool preview = false;
   Metric metric = Metric::kRms;
   Symmetrization symmetrization = Symmetrization::kMean;
   int neighbours = 3;      ///< Most similar faces listed per face, >= 1.

@@ -52,7 +52,8 @@ std::optional<JobState> JobStateFromName(std::string_view name) {
 nlohmann::json ToJson(const JobOutputs& outputs) {
   return {{"tiles", ToJson(outputs.tiles)},         {"alignments", ToJson(outputs.alignments)},
           {"mean_shape", outputs.mean_shape.Hex()}, {"summary", outputs.summary.Hex()},
-          {"fields", ToJson(outputs.fields)},       {"base_choice", outputs.base_choice.Hex()}};
+          {"fields", ToJson(outputs.fields)},       {"base_choice", outputs.base_choice.Hex()},
+          {"preview", ToJson(outputs.preview)}};
 }
 
 absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
@@ -64,6 +65,7 @@ absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
   fields.Read("summary", outputs.summary);
   fields.Read("fields", outputs.fields);
   fields.Read("base_choice", outputs.base_choice);
+  fields.Read("preview", outputs.preview);
   COHORT_RETURN_IF_ERROR(fields.Finish());
   return outputs;
 }

@@ -55,6 +55,7 @@ struct JobOutputs {
   Digest summary;                  ///< Summary blob: per-vertex metrics on the mean shape.
   std::vector<Digest> fields;      ///< Field blobs: what is kept of the distances.
   Digest base_choice;              ///< Base blob, if the base was chosen; else empty.
+  std::vector<Digest> preview;     ///< Preview blobs, if asked for; there before the others.
 };
 
 /// A mesh of a job and what became of it.

@@ -86,6 +86,8 @@ std::string_view TaskKindName(TaskKind kind) {
       return "variation";
     case TaskKind::kSummarize:
       return "summarize";
+    case TaskKind::kPreview:
+      return "preview";
     case TaskKind::kChooseBase:
       return "choose-base";
   }

@@ -27,6 +27,7 @@ enum class TaskKind : uint8_t {
   kVariation,   ///< reference, aligned meshes -> distances of each reference vertex to each mesh
   kSummarize,   ///< variation blobs -> per-vertex metrics, mean shape
   kChooseBase,  ///< all meshes -> the one nearest to all others, a base blob
+  kPreview,     ///< correspondences of two blocks of meshes -> a preview blob of their pairs
 };
 [[nodiscard]] std::string_view TaskKindName(TaskKind kind);  ///< "ingest", "pose", "align", ...
 
@@ -45,20 +46,22 @@ struct Task {
   std::string stage;   ///< "ingest", "pose", "align 1", "average 1", ..., "compare", "summarize".
   double cost = 1;     ///< Rough seconds, for progress and ETA.
 
-  std::vector<TaskMesh> meshes;   ///< Sources. kCompare: rows of the tile.
-  std::vector<TaskMesh> targets;  ///< kCompare: columns (equal to `meshes` on the diagonal);
-                                  ///< kAlignAndCompare: the one target.
+  std::vector<TaskMesh> meshes;   ///< Sources. kCompare, kPreview: rows of the tile.
+  std::vector<TaskMesh> targets;  ///< kCompare, kPreview: columns (equal to `meshes` on the
+                                  ///< diagonal); kAlignAndCompare: the one target.
   Digest reference;               ///< Mesh blob; kPose, kAlign, kAverage, kVariation, kSummarize.
   /// Alignment blobs that together hold `meshes` and `targets`; kAlign: the starts;
   /// kAlignAndCompare: poses to the base mesh. Empty: identities.
   std::vector<Digest> alignments;
-  std::vector<Digest> partials;  ///< kAverage: displacement blobs, kSummarize: variation blobs.
+  std::vector<Digest> partials;  ///< kAverage: displacement blobs, kSummarize: variation blobs,
+                                 ///< kPreview: correspondence blobs.
 
   IcpOptions icp;                       ///< kAlign, kAlignAndCompare.
   UndersamplingOptions undersampling;   ///< kAlign, kAlignAndCompare.
   CompareOptions compare;               ///< kCompare, kAlignAndCompare.
   int position_bits = 18;               ///< kIngest.
-  bool wants_displacement = false;      ///< kAlign: also write the partial displacement sum.
+  bool wants_displacement = false;      ///< kAlign: also write the partial displacement sum;
+                                        ///< kVariation: the correspondences.
   bool counts_reference_index = false;  ///< The first task of a stage counts the index that all of
                                         ///< them need, so that counts do not depend on who ran it.
   bool moves_reference = false;  ///< kSummarize: the mean shape is reference + mean displacement.
@@ -111,7 +114,8 @@ struct TaskResult {
   /// kIngest: empty. kPose, kAlign: alignment blob. kAverage: mesh blob. kCompare: tile blob.
   /// kAlignAndCompare: tile blob. kVariation: variation blob. kSummarize: summary blob.
   Digest output;
-  Digest second_output;  ///< kAlign: displacement blob, if wanted. kAlignAndCompare: alignment
+  Digest second_output;  ///< kAlign: displacement blob, if wanted. kVariation: correspondence
+                         ///< blob, if wanted. kAlignAndCompare: alignment
                          ///< blob. kSummarize: mean shape as mesh blob.
   Digest fields;      ///< kCompare, kAlignAndCompare: what is kept of the distances; empty: none.
   int32_t base = -1;  ///< kChooseBase: index of the mesh.

@@ -154,9 +154,13 @@ std::string CsvRow(std::span<const std::string> fields) {
 }
 
 std::string MatrixCsv(const MetricMatrix& matrix, Metric metric) {
+  return MatrixCsv(matrix, MetricName(metric));
+}
+
+std::string MatrixCsv(const MetricMatrix& matrix, std::string_view corner) {
   const auto count = static_cast<Eigen::Index>(matrix.labels.size());
   assert(matrix.values.rows() == count && matrix.values.cols() == count);
-  std::string csv(MetricName(metric));
+  std::string csv(corner);
   for (const std::string& label : matrix.labels) {
     csv += ',';
     AppendField(label, csv);
@@ -235,6 +239,23 @@ std::string TransformsCsv(std::span<const JobMesh> meshes,
     for (const double entry : T.rotation.transpose().reshaped()) fields.push_back(Text(entry));
     for (const double entry : T.translation) fields.push_back(Text(entry));
     csv += CsvRow(fields);
+  }
+  return csv;
+}
+
+std::string BaseChoiceCsv(std::span<const JobMesh> meshes, const BaseChoice& choice) {
+  std::vector<BaseChoice::Candidate> ranked = choice.candidates;
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const auto& a, const auto& b) { return a.mean_distance < b.mean_distance; });
+  std::string csv = "rank,file,mean_distance";
+  csv += kLineEnd;
+  for (size_t i = 0; i < ranked.size(); ++i) {
+    csv += std::to_string(i + 1);
+    csv += ',';
+    AppendField(meshes[static_cast<size_t>(ranked[i].mesh)].mesh.name, csv);
+    csv += ',';
+    csv += ShortestDecimal(ranked[i].mean_distance);
+    csv += kLineEnd;
   }
   return csv;
 }

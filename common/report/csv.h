@@ -25,6 +25,9 @@ namespace cohort {
 /// values. Row = source, column = target. In R: read.csv(file, row.names = 1, check.names = FALSE).
 [[nodiscard]] std::string MatrixCsv(const MetricMatrix& matrix, Metric metric);
 
+/// The same with another word in the corner.
+[[nodiscard]] std::string MatrixCsv(const MetricMatrix& matrix, std::string_view corner);
+
 /// Ranked neighbours: "mesh,rank,neighbour,value", rank from 1; with persons also
 /// "person,neighbour_person,same_person" (NA where one of them is unknown).
 /// @param neighbours  one list per row of the matrix.
@@ -40,6 +43,10 @@ namespace cohort {
 /// @param alignments  by MeshAlignment::mesh, an index into `meshes`; meshes without one have NA.
 [[nodiscard]] std::string MeshesCsv(std::span<const JobMesh> meshes,
                                     std::span<const MeshAlignment> alignments);
+
+/// "rank,file,mean_distance" of the candidates for the base, the chosen one first: how much nearer
+/// to all others it is than the next says how clear the choice was.
+[[nodiscard]] std::string BaseChoiceCsv(std::span<const JobMesh> meshes, const BaseChoice& choice);
 
 /// "file,scale,r11,...,r33,tx,ty,tz" of each aligned mesh: x_reference = scale * R * x_file + t.
 [[nodiscard]] std::string TransformsCsv(std::span<const JobMesh> meshes,

@@ -71,8 +71,7 @@ std::string SymmetrizationText(Symmetrization symmetrization) {
 }
 
 void AddTitles(int64_t count, const MatrixDescription& description, HeatmapLayout& layout) {
-  layout.title =
-      std::string(MetricTitle(description.metric)) + ", " + Counted(count, "mesh", "meshes");
+  layout.title = MetricText(description) + ", " + Counted(count, "mesh", "meshes");
   layout.subtitle =
       MethodText(description.method) + "; " + SymmetrizationText(description.symmetrization);
   layout.bar_title = ValueUnit(description);

@@ -239,8 +239,8 @@ absl::StatusOr<std::string> HistogramPng(const MetricMatrix& matrix,
   const double bottom = plot.area.y + plot.area.height;
   canvas.Line(std::array<Spot, 2>{{{plot.area.x, bottom}, {plot.area.x + plot.area.width, bottom}}},
               {kInk, 1});
-  const std::string title = std::string(MetricTitle(description.metric)) + " between pairs of " +
-                            Counted(count, "mesh", "meshes");
+  const std::string title =
+      MetricText(description) + " between pairs of " + Counted(count, "mesh", "meshes");
   DrawTexts(plot, description, title, canvas);
   if (pairs.same.empty() && pairs.different.empty()) {
     canvas.Text({plot.area.x + plot.area.width / 2, plot.area.y + plot.area.height / 2},

@@ -24,4 +24,17 @@ std::vector<std::string> PersonsOf(std::span<const std::string> names,
   return persons;
 }
 
+MetricMatrix WithoutRejected(const RowMajorMatrix& values, std::span<const JobMesh> meshes) {
+  std::vector<Eigen::Index> kept;
+  MetricMatrix matrix;
+  for (size_t i = 0; i < meshes.size(); ++i) {
+    if (meshes[i].rejection.empty()) {
+      kept.push_back(static_cast<Eigen::Index>(i));
+      matrix.labels.push_back(meshes[i].mesh.name);
+    }
+  }
+  matrix.values = values(kept, kept);
+  return matrix;
+}
+
 }  // namespace cohort

@@ -21,9 +21,14 @@ std::string ValueUnit(const MatrixDescription& description) {
   return is_square ? description.unit + "²" : description.unit;
 }
 
+std::string MetricText(const MatrixDescription& description) {
+  return description.is_preview ? "Corresponded RMS (preview)"
+                                : std::string(MetricTitle(description.metric));
+}
+
 std::string ValueTitle(const MatrixDescription& description) {
   const std::string unit = ValueUnit(description);
-  const std::string title(MetricTitle(description.metric));
+  const std::string title = MetricText(description);
   return unit.empty() ? title : title + " (" + unit + ")";
 }
 

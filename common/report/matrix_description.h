@@ -13,11 +13,15 @@ struct MatrixDescription {
   Metric metric = Metric::kRms;
   Method method = Method::kAverage;
   Symmetrization symmetrization = Symmetrization::kMean;
+  bool is_preview = false;  ///< Corresponded RMS, not the metric.
   std::string unit = "mm";  ///< Of lengths in the mesh files; empty: not known.
 };
 
 /// Unit of the metric's values: "mm", for the variance "mm²"; empty if not known.
 [[nodiscard]] std::string ValueUnit(const MatrixDescription& description);
+
+/// "RMS distance"; "Corresponded RMS (preview)".
+[[nodiscard]] std::string MetricText(const MatrixDescription& description);
 
 /// "RMS distance (mm)"; without brackets if the unit is not known.
 [[nodiscard]] std::string ValueTitle(const MatrixDescription& description);

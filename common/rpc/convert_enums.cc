@@ -28,7 +28,7 @@ static_assert(static_cast<int>(ScaleMode::kSymmetric) + 1 == v1::SCALE_MODE_SYMM
 static_assert(static_cast<int>(Metric::kPercentile75) + 1 == v1::METRIC_PERCENTILE_75);
 static_assert(static_cast<int>(Symmetrization::kDirected) + 1 == v1::SYMMETRIZATION_DIRECTED);
 static_assert(static_cast<int>(JobState::kCancelled) + 1 == v1::JOB_STATE_CANCELLED);
-static_assert(static_cast<int>(TaskKind::kChooseBase) + 1 == v1::TASK_KIND_CHOOSE_BASE);
+static_assert(static_cast<int>(TaskKind::kPreview) + 1 == v1::TASK_KIND_PREVIEW);
 static_assert(static_cast<int>(BaseRule::kAuto) + 1 == v1::BASE_RULE_AUTO);
 static_assert(static_cast<int>(Acceleration::kAnderson) + 1 == v1::ACCELERATION_ANDERSON);
 static_assert(static_cast<int>(BoundaryPairs::kReject) + 1 == v1::BOUNDARY_PAIRS_REJECT);
@@ -80,7 +80,7 @@ absl::StatusOr<JobState> FromProto(v1::JobState wire) {
   return Unshift(wire, JobState::kCancelled, "state");
 }
 absl::StatusOr<TaskKind> FromProto(v1::TaskKind wire) {
-  return Unshift(wire, TaskKind::kChooseBase, "kind");
+  return Unshift(wire, TaskKind::kPreview, "kind");
 }
 v1::BaseRule ToProto(BaseRule value) {
   return Shift<v1::BaseRule>(value);

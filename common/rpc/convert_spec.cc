@@ -88,6 +88,7 @@ v1::JobSpec ToProto(const JobSpec& spec) {
   *wire.mutable_undersampling() = ToProto(spec.undersampling);
   *wire.mutable_compare() = ToProto(spec.compare);
   wire.set_retention_budget(spec.retention_budget);
+  wire.set_preview(spec.preview);
   wire.set_metric(ToProto(spec.metric));
   wire.set_symmetrization(ToProto(spec.symmetrization));
   wire.set_neighbours(spec.neighbours);
@@ -108,6 +109,7 @@ absl::StatusOr<JobSpec> FromProto(const v1::JobSpec& wire) {
   COHORT_ASSIGN_OR_RETURN(spec.undersampling, FromProto(wire.undersampling()));
   COHORT_ASSIGN_OR_RETURN(spec.compare, FromProto(wire.compare()));
   spec.retention_budget = wire.retention_budget();
+  spec.preview = wire.preview();
   COHORT_ASSIGN_OR_RETURN(spec.metric, FromProto(wire.metric()));
   COHORT_ASSIGN_OR_RETURN(spec.symmetrization, FromProto(wire.symmetrization()));
   spec.neighbours = wire.neighbours();

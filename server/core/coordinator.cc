@@ -209,6 +209,35 @@ absl::Status Coordinator::GetMatrix(const JobId& id,
   return ForEachMatrixBlock(store_, outputs, metric, consume);
 }
 
+absl::Status Coordinator::GetPreview(const JobId& id,
+                                     const std::function<bool(const PreviewBlock&)>& consume) {
+  COHORT_ASSIGN_OR_RETURN(const Job job, GetJob(id));
+  if (!job.spec.preview) {
+    return WithReason(absl::FailedPreconditionError("job " + id.value +
+                                                    " makes no preview: submit it with --preview"),
+                      "JOB_HAS_NO_PREVIEW");
+  }
+  COHORT_ASSIGN_OR_RETURN(const JobOutputs outputs, OutputsSoFar(id));
+  if (outputs.preview.empty()) {
+    return WithReason(absl::FailedPreconditionError(
+                          "job " + id.value + " is " + std::string(JobStateName(job.state)) +
+                          " and has not come to its preview, which follows the alignments"),
+                      "JOB_NOT_FINISHED");
+  }
+  return ForEachPreviewBlock(store_, outputs, consume);
+}
+
+absl::StatusOr<JobOutputs> Coordinator::OutputsSoFar(const JobId& id) {
+  {
+    const MutexLock lock(mutex_);
+    const auto active = active_.find(id);
+    if (active != active_.end()) {
+      return active->second.plan->Outputs();
+    }
+  }
+  return catalog_.GetOutputs(id);
+}
+
 void Coordinator::SetProgress(Progress progress, Job& job) {
   progress.stages = std::move(job.progress.stages);
   job.progress = std::move(progress);

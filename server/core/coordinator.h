@@ -77,6 +77,12 @@ class Coordinator {
   [[nodiscard]] absl::Status GetMatrix(const JobId& id,
                                        Metric metric,
                                        const std::function<bool(const MatrixBlock&)>& consume);
+  /// Hands out the preview block by block, until `consume` returns false; also of a job that goes
+  /// on.
+  /// @return kFailedPrecondition if the job makes none (JOB_HAS_NO_PREVIEW) or has not come to it
+  ///         (JOB_NOT_FINISHED); as ForEachPreviewBlock.
+  [[nodiscard]] absl::Status GetPreview(const JobId& id,
+                                        const std::function<bool(const PreviewBlock&)>& consume);
 
   // Workers.
   /// @param is_cancelled  asked while waiting and before granting: the caller has gone.
@@ -117,6 +123,7 @@ class Coordinator {
   absl::StatusOr<std::vector<GrantedTask>> GrantTasks(const WorkerId& worker, int count)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status CheckOutputs(const TaskResult& result);
+  absl::StatusOr<JobOutputs> OutputsSoFar(const JobId& id) ABSL_LOCKS_EXCLUDED(mutex_);
   void Touch(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Drops ended jobs and returns what observers are to hear.
   std::vector<Job> TakeChanges() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

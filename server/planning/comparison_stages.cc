@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
+#include "server/planning/block_pairs.h"
 #include "server/planning/stage.h"
 
 namespace cohort {
@@ -13,23 +13,6 @@ constexpr int64_t kBlocksPerSide = 24;      ///< Tiles for some hundreds of slot
 constexpr double kLeastTileSeconds = 0.05;  ///< unless they would be over sooner than handed out;
 constexpr int64_t kMaxBlockSize = 32;       ///< more if they would grow beyond this
 constexpr double kMostTileBytes = 256e6;    ///< or their distances, where kept, beyond this.
-
-/// All unordered pairs of `blocks` blocks, each block with itself too, row by row:
-/// (0,0) (0,1) ... (0,n-1) (1,1) ...
-/// @return the pair at `place`. Counted from the end, rows have 1, 2, 3, ... pairs.
-std::pair<int64_t, int64_t> BlockPair(int64_t blocks, int64_t place) {
-  const int64_t from_end = blocks * (blocks + 1) / 2 - 1 - place;
-  auto row_from_end =
-      static_cast<int64_t>((std::sqrt(8 * static_cast<double>(from_end) + 1) - 1) / 2);
-  while (row_from_end * (row_from_end + 1) / 2 > from_end) {
-    --row_from_end;
-  }
-  while ((row_from_end + 1) * (row_from_end + 2) / 2 <= from_end) {
-    ++row_from_end;
-  }
-  const int64_t column_from_end = from_end - row_from_end * (row_from_end + 1) / 2;
-  return {blocks - 1 - row_from_end, blocks - 1 - column_from_end};
-}
 
 /// Meshes on a side of a tile; follows from the meshes alone.
 int64_t BlockSize(const PlanState& state) {
@@ -103,11 +86,11 @@ class CompareStage final : public Stage {
   [[nodiscard]] std::string Name() const override { return "compare"; }
 
   [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
-    return BlockCount(state) * (BlockCount(state) + 1) / 2;
+    return BlockPairCount(BlockCount(state));
   }
 
   [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
-    const auto [row, column] = BlockPair(BlockCount(state), task);
+    const auto [row, column] = BlockPairAt(BlockCount(state), task);
     const std::vector<int32_t> rows = BlockAt(state, row);
     const std::vector<int32_t> columns = BlockAt(state, column);
     double lookups = state.VerticesOf(rows) * static_cast<double>(columns.size());
@@ -118,7 +101,7 @@ class CompareStage final : public Stage {
   }
 
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
-    const auto [row, column] = BlockPair(BlockCount(state), task);
+    const auto [row, column] = BlockPairAt(BlockCount(state), task);
     const std::vector<int32_t> rows = BlockAt(state, row);
     const std::vector<int32_t> columns = BlockAt(state, column);
     std::vector<int32_t> both = rows;

@@ -48,7 +48,7 @@ class JobPlan {
   [[nodiscard]] virtual const Counters& TotalCounters() const = 0;
   /// In the job's order, with what is known of each so far.
   [[nodiscard]] virtual const std::vector<JobMesh>& Meshes() const = 0;
-  /// Valid when Done().
+  /// Valid when Done(); the preview as soon as it is not empty.
   [[nodiscard]] virtual const JobOutputs& Outputs() const = 0;
 };
 

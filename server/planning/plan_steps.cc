@@ -29,6 +29,17 @@ void AddMeanShapeRounds(StepList& steps, int rounds) {
   steps.Add(MakeAlignStage("align " + std::to_string(rounds + 1), Displacement::kNotWanted));
 }
 
+/// All pairs, and what makes the summary; the quick matrix first, if it is wanted.
+void AddComparison(StepList& steps, const JobSpec& spec) {
+  if (spec.preview) {
+    steps.Add(MakeVariationStage(Displacement::kWanted));
+    steps.Add(MakePreviewStage());
+    steps.Add(MakeCompareStage());
+  } else {
+    steps.Add(MakeCompareStage(), MakeVariationStage(Displacement::kNotWanted));
+  }
+}
+
 }  // namespace
 
 std::vector<Step> MakeSteps(const JobSpec& spec) {
@@ -43,22 +54,22 @@ std::vector<Step> MakeSteps(const JobSpec& spec) {
   switch (spec.method) {
     case Method::kAverage:
       AddMeanShapeRounds(steps, spec.rounds);
-      steps.Add(MakeCompareStage(), MakeVariationStage());
+      AddComparison(steps, spec);
       steps.Add(MakeSummarizeStage(LastShape::kReference));
       break;
     case Method::kOne:
       steps.Add(MakeAlignStage("align", Displacement::kNotWanted));
-      steps.Add(MakeCompareStage(), MakeVariationStage());
+      AddComparison(steps, spec);
       steps.Add(MakeSummarizeStage(LastShape::kReferencePlusDisplacement));
       break;
     case Method::kEach:
       // The alignments to the base, which the variation needs, come out of the comparison.
       steps.Add(MakeAlignAndCompareStage());
-      steps.Add(MakeVariationStage());
+      steps.Add(MakeVariationStage(Displacement::kNotWanted));
       steps.Add(MakeSummarizeStage(LastShape::kReferencePlusDisplacement));
       break;
     case Method::kNone:
-      steps.Add(MakeCompareStage(), MakeVariationStage());
+      AddComparison(steps, spec);
       steps.Add(MakeSummarizeStage(LastShape::kReferencePlusDisplacement));
       break;
   }

@@ -50,7 +50,8 @@ enum class LastShape { kReferencePlusDisplacement, kReference };
 [[nodiscard]] std::unique_ptr<const Stage> MakeAverageStage(const std::string& name);
 [[nodiscard]] std::unique_ptr<const Stage> MakeCompareStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeAlignAndCompareStage();
-[[nodiscard]] std::unique_ptr<const Stage> MakeVariationStage();
+[[nodiscard]] std::unique_ptr<const Stage> MakeVariationStage(Displacement displacement);
+[[nodiscard]] std::unique_ptr<const Stage> MakePreviewStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeSummarizeStage(LastShape last_shape);
 
 }  // namespace cohort

@@ -9,6 +9,8 @@ constexpr double kSummarizeSecondsPerDistance = 1e-7;
 /// Distances of each reference vertex to the aligned meshes of one batch.
 class VariationStage final : public Stage {
  public:
+  explicit VariationStage(Displacement displacement) : displacement_(displacement) {}
+
   [[nodiscard]] std::string Name() const override { return "variation"; }
   [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
     return static_cast<int64_t>(state.batches.size());
@@ -24,6 +26,7 @@ class VariationStage final : public Stage {
     made.kind = TaskKind::kVariation;
     made.meshes = state.TaskMeshes(batch.meshes);
     made.reference = state.reference;
+    made.wants_displacement = displacement_ == Displacement::kWanted;
     if (!batch.alignment.empty()) {
       made.alignments = {batch.alignment};
     }
@@ -31,11 +34,15 @@ class VariationStage final : public Stage {
   }
   [[nodiscard]] absl::Status Absorb(PlanState& state,
                                     std::span<const TaskResult> results) const override {
-    for (const TaskResult& result : results) {
-      state.variations.push_back(result.output);
+    for (size_t i = 0; i < results.size(); ++i) {
+      state.variations.push_back(results[i].output);
+      state.batches[i].displacement = results[i].second_output;
     }
     return absl::OkStatus();
   }
+
+ private:
+  Displacement displacement_;
 };
 
 /// Per-vertex metrics over all meshes, and the mean shape.
@@ -70,8 +77,8 @@ class SummarizeStage final : public Stage {
 
 }  // namespace
 
-std::unique_ptr<const Stage> MakeVariationStage() {
-  return std::make_unique<VariationStage>();
+std::unique_ptr<const Stage> MakeVariationStage(Displacement displacement) {
+  return std::make_unique<VariationStage>(displacement);
 }
 
 std::unique_ptr<const Stage> MakeSummarizeStage(LastShape last_shape) {

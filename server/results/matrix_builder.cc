@@ -26,4 +26,17 @@ absl::Status ForEachMatrixBlock(BlobStore& store,
   return absl::OkStatus();
 }
 
+absl::Status ForEachPreviewBlock(BlobStore& store,
+                                 const JobOutputs& outputs,
+                                 const std::function<bool(const PreviewBlock&)>& consume) {
+  for (const Digest& blob : outputs.preview) {
+    COHORT_ASSIGN_OR_RETURN(const std::string bytes, store.Get(blob));
+    COHORT_ASSIGN_OR_RETURN(const PreviewBlock block, DecodePreviewBlob(bytes));
+    if (!consume(block)) {
+      return absl::OkStatus();
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace cohort

@@ -7,6 +7,7 @@
 
 #include "common/geometry/comparison/metrics.h"
 #include "common/jobs/job_state.h"
+#include "common/jobs/preview_blobs.h"
 #include "common/store/blob_store.h"
 
 namespace cohort {
@@ -26,5 +27,13 @@ struct MatrixBlock {
     const JobOutputs& outputs,
     Metric metric,
     const std::function<bool(const MatrixBlock&)>& consume);
+
+/// The same of the preview, whose values are undirected: a block of two different sets of meshes
+/// stands for its transpose too.
+/// @return as BlobStore::Get and DecodePreviewBlob.
+[[nodiscard]] absl::Status ForEachPreviewBlock(
+    BlobStore& store,
+    const JobOutputs& outputs,
+    const std::function<bool(const PreviewBlock&)>& consume);
 
 }  // namespace cohort

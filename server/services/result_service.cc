@@ -27,6 +27,18 @@ absl::Status SendMatrix(Coordinator& coordinator,
   });
 }
 
+absl::Status SendPreview(Coordinator& coordinator,
+                         const v1::GetPreviewRequest& request,
+                         grpc::ServerWriter<v1::GetPreviewResponse>& writer) {
+  return coordinator.GetPreview(JobId{request.id()}, [&](const PreviewBlock& block) {
+    v1::GetPreviewResponse message;
+    message.mutable_rows()->Add(block.rows.begin(), block.rows.end());
+    message.mutable_columns()->Add(block.columns.begin(), block.columns.end());
+    message.mutable_values()->Add(block.values.begin(), block.values.end());
+    return writer.Write(message);
+  });
+}
+
 /// The token of a page of job meshes is the index of its first mesh.
 absl::StatusOr<size_t> FirstIndex(const std::string& token) {
   size_t first = 0;
@@ -67,6 +79,12 @@ grpc::Status ResultServiceSkin::GetMatrix(grpc::ServerContext* /*context*/,
   return ToGrpcStatus(SendMatrix(coordinator_, *request, *writer));
 }
 
+grpc::Status ResultServiceSkin::GetPreview(grpc::ServerContext* /*context*/,
+                                           const v1::GetPreviewRequest* request,
+                                           grpc::ServerWriter<v1::GetPreviewResponse>* writer) {
+  return ToGrpcStatus(SendPreview(coordinator_, *request, *writer));
+}
+
 grpc::Status ResultServiceSkin::ListJobMeshes(grpc::ServerContext* /*context*/,
                                               const v1::ListJobMeshesRequest* request,
                                               v1::ListJobMeshesResponse* response) {
@@ -88,6 +106,7 @@ grpc::Status ResultServiceSkin::GetOutputs(grpc::ServerContext* /*context*/,
   }
   response->set_mean_shape_sha256(outputs->mean_shape.Hex());
   response->set_summary_sha256(outputs->summary.Hex());
+  response->set_base_choice_sha256(outputs->base_choice.Hex());
   return grpc::Status::OK;
 }
 

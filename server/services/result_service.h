@@ -13,6 +13,9 @@ class ResultServiceSkin final : public v1::ResultService::Service {
   grpc::Status GetMatrix(grpc::ServerContext* context,
                          const v1::GetMatrixRequest* request,
                          grpc::ServerWriter<v1::GetMatrixResponse>* writer) override;
+  grpc::Status GetPreview(grpc::ServerContext* context,
+                          const v1::GetPreviewRequest* request,
+                          grpc::ServerWriter<v1::GetPreviewResponse>* writer) override;
   grpc::Status ListJobMeshes(grpc::ServerContext* context,
                              const v1::ListJobMeshesRequest* request,
                              v1::ListJobMeshesResponse* response) override;

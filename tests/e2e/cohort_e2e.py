@@ -127,6 +127,25 @@ class EndToEnd(unittest.TestCase):
                     self.assertTrue((out / name).stat().st_size > 0, name)
                 self.assertFalse((out / ".cohort-data").exists())
 
+    def test_a_preview_is_labelled_and_changes_nothing(self):
+        self.run_job(self.demo, self.dir / "with", "--preview")
+        self.run_job(self.demo, self.dir / "without")
+        self.assertEqual((self.dir / "with/matrix.npy").read_bytes(),
+                         (self.dir / "without/matrix.npy").read_bytes())
+        table = (self.dir / "with/preview_matrix.csv").read_text(encoding="utf-8").splitlines()
+        self.assertTrue(table[0].startswith("preview of corresponded rms,"), table[0])
+        self.assertEqual(len(table), 1 + len(list(self.demo.glob("*.ply"))))
+        self.assertTrue((self.dir / "with/preview_heatmap.png").stat().st_size > 0)
+        self.assertFalse((self.dir / "without/preview_matrix.csv").exists())
+
+    def test_the_choice_of_the_base_is_told(self):
+        self.run_job(self.demo, self.dir / "auto", "--base", "auto")
+        ranks = (self.dir / "auto/base_choice.csv").read_text(encoding="utf-8").splitlines()
+        self.assertEqual(ranks[0], "rank,file,mean_distance")
+        self.assertEqual(len(ranks), 1 + len(list(self.demo.glob("*.ply"))))
+        distances = [float(row.split(",")[2]) for row in ranks[1:]]
+        self.assertEqual(distances, sorted(distances))
+
     def test_none_measures_where_the_meshes_are(self):
         # Unaligned scans are far apart, whoever they are.
         self.run_job(self.demo, self.dir / "none", "--method", "none", "--pose", "none")

@@ -9,6 +9,7 @@
 #include "worker/tasks/choose_base_task.h"
 #include "worker/tasks/compare_task.h"
 #include "worker/tasks/ingest_task.h"
+#include "worker/tasks/preview_task.h"
 #include "worker/tasks/task_context.h"
 #include "worker/tasks/variation_task.h"
 
@@ -35,6 +36,8 @@ absl::StatusOr<TaskResult> Dispatch(const Task& task, const TaskContext& context
       return RunSummarizeTask(task, context);
     case TaskKind::kChooseBase:
       return RunChooseBaseTask(task, context);
+    case TaskKind::kPreview:
+      return RunPreviewTask(task, context);
   }
   return absl::InvalidArgumentError("task kind " + std::to_string(static_cast<int>(task.kind)) +
                                     " is not known");

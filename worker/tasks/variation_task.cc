@@ -8,6 +8,7 @@
 #include "common/geometry/comparison/metrics.h"
 #include "common/geometry/registration/mean_shape.h"
 #include "common/jobs/blobs.h"
+#include "common/jobs/preview_blobs.h"
 #include "common/store/mesh_blob.h"
 
 namespace cohort {
@@ -19,6 +20,7 @@ absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext&
   PacketSearch search;
   const int64_t n = reference->VertexCount();
   TaskResult result;
+  CorrespondencePart correspondences{.meshes = {}, .fields = DisplacementFields(n)};
   VariationPart part;
   part.distances.resize(n, static_cast<Eigen::Index>(task.meshes.size()));
   part.displacement.sum = Eigen::Matrix3Xd::Zero(3, n);
@@ -35,9 +37,17 @@ absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext&
     part.displacement.sum += displacement;
     ++part.displacement.mesh_count;
     part.meshes.push_back(input.index);
+    if (task.wants_displacement) {
+      correspondences.meshes.push_back(input.index);
+      correspondences.fields.Add(displacement.cast<float>());
+    }
     result.counters.variation += {.index_builds = 1, .lookups = n};
   }
   COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeVariationBlob(part)));
+  if (task.wants_displacement) {
+    COHORT_ASSIGN_OR_RETURN(result.second_output,
+                            context.store.Put(EncodeCorrespondenceBlob(correspondences)));
+  }
   return result;
 }
 

@@ -173,7 +173,8 @@ TEST_F(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
                               .mean_shape = Sha256::Of("4"),
                               .summary = Digest(),
                               .fields = {Sha256::Of("5")},
-                              .base_choice = Sha256::Of("6")};
+                              .base_choice = Sha256::Of("6"),
+                              .preview = {Sha256::Of("7")}};
   std::vector<JobMesh> meshes = catalog_->GetJobMeshes(job.id).value();
   meshes[0].rejection = "line 7: NaN";
   meshes[1].ingested = SomeIngested("b");

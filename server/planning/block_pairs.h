@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+namespace cohort {
+
+/// Unordered pairs of `blocks` blocks, each block with itself too.
+[[nodiscard]] inline int64_t BlockPairCount(int64_t blocks) {
+  return blocks * (blocks + 1) / 2;
+}
+
+/// The pair at `place` of them, row by row: (0,0) (0,1) ... (0,n-1) (1,1) ...
+[[nodiscard]] std::pair<int64_t, int64_t> BlockPairAt(int64_t blocks, int64_t place);
+
+}  // namespace cohort
