@@ -72,8 +72,9 @@ std::string SymmetrizationText(Symmetrization symmetrization) {
 
 void AddTitles(int64_t count, const MatrixDescription& description, HeatmapLayout& layout) {
   layout.title = MetricText(description) + ", " + Counted(count, "mesh", "meshes");
-  layout.subtitle =
-      MethodText(description.method) + "; " + SymmetrizationText(description.symmetrization);
+  layout.subtitle = MethodText(description.method) + "; " +
+                    (description.is_preview ? "over corresponding points"
+                                            : SymmetrizationText(description.symmetrization));
   layout.bar_title = ValueUnit(description);
   if (description.symmetrization != Symmetrization::kDirected) return;
   const bool is_numbered = !layout.row_title.empty();

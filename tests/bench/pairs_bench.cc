@@ -10,6 +10,7 @@
 
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
+#include "common/geometry/comparison/corresponded_rms.h"
 #include "common/geometry/comparison/measure_distances.h"
 #include "common/geometry/nearest/packet_search.h"
 #include "tests/bench/bench.h"
@@ -137,6 +138,42 @@ absl::Status MeasureTiles(Bench& bench, benchmark::State& state, int vertices, d
   return absl::OkStatus();
 }
 
+/// The matrix of all pairs over correspondences against both directions of each exact pair.
+absl::Status MeasurePreview(Bench& bench, benchmark::State& state, int vertices) {
+  COHORT_ASSIGN_OR_RETURN(const auto faces, bench.faces.Get(vertices, kMeshes));
+  const std::vector<SearchPair> pairs = AllPairs(faces);
+  Random random(1);
+  DisplacementFields fields(vertices);
+  for (int mesh = 0; mesh < kManyMeshes; ++mesh) {
+    const auto displacement = [&random] { return static_cast<float>(random.Uniform(-3, 3)); };
+    fields.Add(Eigen::Matrix3Xf::NullaryExpr(3, vertices, displacement));
+  }
+  PacketSearch search;
+  NearestSlots nearest;
+  DistanceScratch scratch;
+  Contest contest;
+  contest.Add("preview", kManyMeshes * (kManyMeshes - 1) / 2.0, [&] {
+    return SecondsOf([&] { benchmark::DoNotOptimize(CorrespondedRms(fields, fields)); });
+  });
+  contest.Add("exact", static_cast<double>(pairs.size()) / 2, [&] {
+    return SecondsOf([&] {
+      for (const SearchPair& pair : pairs) {
+        search.Find(pair.query->packed, pair.target->packed, nearest);
+        const std::span<const float> squares(nearest.squared_distances.data(),
+                                             static_cast<size_t>(pair.query->mesh.VertexCount()));
+        benchmark::DoNotOptimize(MeasureSquaredDistances(squares, scratch));
+      }
+    });
+  });
+  contest.Run(state);
+  bench.figures.Add(
+      {absl::StrCat("preview matrix of 60 meshes, ", vertices / 1000, "k"), AtLeast(300),
+       contest.Ratio("exact", "preview"), " x exact pairs a second",
+       absl::StrCat(Digits(contest.Nanoseconds("preview") * 1e-3), " us a pair against ",
+                    Digits(contest.Nanoseconds("exact") * 1e-3), " us")});
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void RegisterPairs(Bench& bench) {
@@ -147,6 +184,8 @@ void RegisterPairs(Bench& bench) {
              });
   }
   const int rounds = bench.options.IsQuick() ? 3 : 5;
+  Register(bench, "preview/20k", rounds,
+           [](Bench& b, benchmark::State& state) { return MeasurePreview(b, state, 20'000); });
   Register(bench, "tiles/20k", rounds,
            [](Bench& b, benchmark::State& state) { return MeasureTiles(b, state, 20'000, 1.2); });
   Register(bench, "tiles/60k", rounds,

@@ -62,13 +62,22 @@ std::vector<int32_t> IndicesOf(const std::vector<TaskMesh>& meshes) {
   return indices;
 }
 
+absl::StatusOr<Eigen::MatrixXd> MeasureTargets(const std::vector<CorrespondencePart>& parts,
+                                               const Task& task,
+                                               const DisplacementFields& rows) {
+  if (task.meshes == task.targets) {
+    return CorrespondedRms(rows, rows);
+  }
+  COHORT_ASSIGN_OR_RETURN(const DisplacementFields columns, FieldsOf(parts, task.targets));
+  return CorrespondedRms(rows, columns);
+}
+
 }  // namespace
 
 absl::StatusOr<TaskResult> RunPreviewTask(const Task& task, const TaskContext& context) {
   COHORT_ASSIGN_OR_RETURN(const auto parts, LoadParts(task, context));
   COHORT_ASSIGN_OR_RETURN(const DisplacementFields rows, FieldsOf(parts, task.meshes));
-  COHORT_ASSIGN_OR_RETURN(const DisplacementFields columns, FieldsOf(parts, task.targets));
-  const Eigen::MatrixXd rms = CorrespondedRms(rows, columns);
+  COHORT_ASSIGN_OR_RETURN(const Eigen::MatrixXd rms, MeasureTargets(parts, task, rows));
   PreviewBlock block = {
       .rows = IndicesOf(task.meshes), .columns = IndicesOf(task.targets), .values = {}};
   block.values.reserve(static_cast<size_t>(rms.size()));

@@ -64,6 +64,18 @@ TEST(CorrespondedRms, IsSymmetricWithAnExactlyZeroDiagonalWhateverTheBlocks) {
   EXPECT_EQ(rms.diagonal().cwiseAbs().maxCoeff(), 0);
   const DisplacementFields some = SomeFields(7 + 3, 2, 700);
   EXPECT_EQ(CorrespondedRms(fields, some), Eigen::MatrixXd(rms.middleCols(3, 2)));
+  EXPECT_EQ(CorrespondedRms(some, fields), Eigen::MatrixXd(rms.middleRows(3, 2)));
+}
+
+TEST(CorrespondedRms, LosesNoDigitsWhereFieldsAreNearlyTheSame) {
+  for (const float change : {1e-1F, 1e-3F, 1e-5F, 0.0F}) {
+    DisplacementFields fields(500);
+    const Eigen::Matrix3Xf field = SomeField(3, 500);
+    fields.Add(field);
+    fields.Add(field + change * SomeField(4, 500));
+    const double truth = Brute(fields, 0, fields, 1);
+    EXPECT_NEAR(CorrespondedRms(fields, fields)(0, 1), truth, 1e-4 * truth) << change;
+  }
 }
 
 TEST(CorrespondedRms, OfATranslationIsItsLength) {
@@ -73,19 +85,20 @@ TEST(CorrespondedRms, OfATranslationIsItsLength) {
   EXPECT_DOUBLE_EQ(CorrespondedRms(fields, fields)(0, 1), std::sqrt(12.0));
 }
 
-TEST(FieldKernels, AddTheSameDifferencesOnAllInstructionSets) {
-  constexpr int64_t kRows = 150;
-  std::vector<std::vector<float>> fields;
-  for (uint64_t seed = 0; seed <= kFieldStrip; ++seed) {
-    const Eigen::Matrix3Xf field = SomeField(seed, kRows * kFieldLanes);
-    fields.emplace_back(field.data(), field.data() + kRows * kFieldLanes);
+TEST(FieldKernels, AddTheSameProductsOnAllInstructionSets) {
+  constexpr int64_t kRows = 700;
+  std::vector<Eigen::Matrix3Xf> fields;
+  for (uint64_t seed = 0; seed < 2 * kFieldTile; ++seed) {
+    fields.push_back(SomeField(seed, kRows * kFieldLanes));
   }
-  const float* const others[kFieldStrip] = {fields[1].data(), fields[2].data(), fields[3].data(),
-                                            fields[4].data()};
+  std::vector<const float*> sides;
+  for (const Eigen::Matrix3Xf& field : fields) {
+    sides.push_back(field.data());
+  }
   std::vector<double> expected;
   for (const FieldKernels* kernels : RunnableFieldKernels()) {
-    std::vector<double> lanes(kFieldStrip * kFieldLanes, 0.5);
-    kernels->add_squared_differences(fields[0].data(), others, kRows, lanes.data());
+    std::vector<double> lanes(kFieldTile * kFieldTile * kFieldLanes, 0.5);
+    kernels->add_products(sides.data(), sides.data() + kFieldTile, kRows, lanes.data());
     if (expected.empty()) {
       expected = lanes;
     }
