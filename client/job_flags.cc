@@ -88,7 +88,10 @@ void JobFlags::AddTo(CLI::App& command) {
       "mesh), none")
       ->capture_default_str();
   add("--preset", preset,
-      "default (converge to 1e-6 mm) or thesis (10 iterations a round, 0.05 mm, plain ICP)")
+      "default (converge to 1e-6 mm), thesis (10 iterations a round, 0.05 mm, plain ICP) or "
+      "fidentis "
+      "(the numbers of FIDENTIS Analyst of 2016, defects included; takes --base, --rounds, --scale "
+      "on or off, --max-iterations, --tolerance, --signed, --retention vectors or metrics)")
       ->capture_default_str();
   add("--base", base,
       "first reference: a file name, first (by name) or auto (the mesh nearest to all others) "
@@ -155,6 +158,10 @@ void JobFlags::AddComparisonOptionsTo(CLI::App& command) {
                 "shape; never in place of the exact one")
       ->group(group);
   add("--retention-budget", retention_budget_gb, "for auto, GB [2]");
+  command
+      .add_flag("--signed", signed_distances,
+                "preset fidentis: metrics of signed distances, positive in front of the other mesh")
+      ->group(group);
 }
 
 absl::Status JobFlags::SetAlignment(JobSpec& spec) const {
@@ -189,6 +196,9 @@ absl::Status JobFlags::SetComparison(JobSpec& spec) const {
   COHORT_RETURN_IF_ERROR(SetFromName(retention, "--retention",
                                      "vectors, compact, sketch, metrics or auto", RetentionFromName,
                                      spec.compare.retention));
+  if (signed_distances) {
+    spec.compare.sign = DistanceSign::kSigned;
+  }
   if (retention_budget_gb) {
     if (!(*retention_budget_gb >= 0 && *retention_budget_gb <= 1e9)) {
       return absl::InvalidArgumentError("--retention-budget: expected 0 or more GB");

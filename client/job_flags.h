@@ -33,6 +33,7 @@ struct JobFlags {
   std::optional<std::string> retention;
   std::optional<double> retention_budget_gb;
   bool preview = false;
+  bool signed_distances = false;
   std::optional<std::string> metric;
   std::optional<std::string> symmetrize;
   std::optional<int> neighbours;

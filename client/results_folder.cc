@@ -31,9 +31,28 @@ struct Fetched {
   MetricMatrix matrix;               ///< Of the meshes that were not rejected, symmetrised.
   std::vector<std::string> persons;  ///< One per row of the matrix.
   TriangleMesh mean_shape;
+  TriangleMesh variation_shape;
+  std::vector<std::string> unmeasured;  ///< Meshes whose values of all others are NaN.
   VariationSummary variation;
   BaseChoice base_choice;  ///< Without candidates if the base was given.
 };
+
+std::vector<std::string> UnmeasuredMeshes(const MetricMatrix& directed) {
+  std::vector<std::string> names;
+  for (Eigen::Index row = 0; row < directed.values.rows(); ++row) {
+    const auto unknown = directed.values.row(row).array().isNaN();
+    const Eigen::Index off_diagonal = unknown.count() - (unknown(row) ? 1 : 0);
+    if (off_diagonal == directed.values.cols() - 1) {
+      names.push_back(directed.labels[static_cast<size_t>(row)]);
+    }
+  }
+  return names;
+}
+
+absl::StatusOr<TriangleMesh> FetchMesh(Session& session, const Digest& blob) {
+  COHORT_ASSIGN_OR_RETURN(const std::string bytes, session.Blobs().Get(blob));
+  return DecodeMeshBlob(bytes);
+}
 
 absl::StatusOr<std::vector<MeshAlignment>> FetchAlignments(Session& session,
                                                            const JobOutputs& outputs) {
@@ -58,6 +77,7 @@ absl::StatusOr<Fetched> Fetch(Session& session, const JobId& id, std::optional<M
       const RowMajorMatrix directed,
       session.GetMatrix(id, fetched.job.spec.metric, static_cast<int64_t>(fetched.meshes.size())));
   fetched.matrix = WithoutRejected(directed, fetched.meshes);
+  fetched.unmeasured = UnmeasuredMeshes(fetched.matrix);
   if (fetched.job.spec.symmetrization != Symmetrization::kDirected) {
     fetched.matrix = Symmetrized(
         fetched.matrix,
@@ -65,8 +85,11 @@ absl::StatusOr<Fetched> Fetch(Session& session, const JobId& id, std::optional<M
   }
   fetched.persons = PersonsOf(fetched.matrix.labels, fetched.meshes);
   COHORT_ASSIGN_OR_RETURN(fetched.alignments, FetchAlignments(session, outputs));
-  COHORT_ASSIGN_OR_RETURN(const std::string shape, session.Blobs().Get(outputs.mean_shape));
-  COHORT_ASSIGN_OR_RETURN(fetched.mean_shape, DecodeMeshBlob(shape));
+  COHORT_ASSIGN_OR_RETURN(fetched.mean_shape, FetchMesh(session, outputs.mean_shape));
+  fetched.variation_shape = fetched.mean_shape;
+  if (!outputs.variation_shape.empty()) {
+    COHORT_ASSIGN_OR_RETURN(fetched.variation_shape, FetchMesh(session, outputs.variation_shape));
+  }
   COHORT_ASSIGN_OR_RETURN(const std::string summary, session.Blobs().Get(outputs.summary));
   COHORT_ASSIGN_OR_RETURN(fetched.variation, DecodeSummaryBlob(summary));
   if (!outputs.base_choice.empty()) {
@@ -88,6 +111,11 @@ class FolderWriter {
   }
   /// A file that was written by others.
   void Note(const ResultFile& file) { files_.push_back(file); }
+  /// Takes away what another job may have left under this name, so that it is not taken for ours.
+  void LeaveOut(const std::string& name) const {
+    std::error_code absent;
+    std::filesystem::remove(folder_ / name, absent);
+  }
   [[nodiscard]] const std::vector<ResultFile>& Files() const { return files_; }
 
  private:
@@ -101,6 +129,42 @@ std::string HostName() {
   return host.data();
 }
 
+/// The smallest of signed values is not the most similar.
+bool HasNeighbours(const JobSpec& spec) {
+  return spec.compare.sign == DistanceSign::kAbsolute;
+}
+
+/// What the files of this job do not say themselves.
+std::vector<std::string> NotesOf(const Fetched& fetched) {
+  constexpr size_t kNamed = 3;
+  const JobSpec& spec = fetched.job.spec;
+  std::vector<std::string> notes;
+  if (spec.arithmetic == Arithmetic::kFidentis) {
+    notes.emplace_back(
+        "preset fidentis: the numbers of FIDENTIS Analyst of 2016, defects included, for "
+        "comparison "
+        "with old studies; transforms.csv and the residuals in meshes.csv are ours, of its poses");
+  }
+  if (!HasNeighbours(spec)) {
+    notes.emplace_back(
+        "neighbours.csv is left out: of signed distances the smallest is not the most similar");
+  }
+  std::string names;
+  for (size_t i = 0; i < std::min(kNamed, fetched.unmeasured.size()); ++i) {
+    names += (i == 0 ? "" : ", ") + fetched.unmeasured[i];
+  }
+  if (!fetched.unmeasured.empty()) {
+    const size_t more = fetched.unmeasured.size() - std::min(kNamed, fetched.unmeasured.size());
+    notes.push_back("no value (NA) in the rows of " + names +
+                    (more > 0 ? " and " + std::to_string(more) + " more" : "") +
+                    (spec.arithmetic == Arithmetic::kFidentis
+                         ? ": as in the predecessor, where a vertex has no normal (see warnings in "
+                           "meshes.csv), and for geometric means of negative distances"
+                         : ""));
+  }
+  return notes;
+}
+
 absl::Status WriteTables(FolderWriter& out,
                          const Fetched& fetched,
                          const std::vector<std::vector<Neighbour>>& neighbours,
@@ -108,8 +172,13 @@ absl::Status WriteTables(FolderWriter& out,
   const JobSpec& spec = fetched.job.spec;
   COHORT_RETURN_IF_ERROR(out.Write({"matrix.csv", "metric of every pair, with file names", unit},
                                    MatrixCsv(fetched.matrix, spec.metric)));
-  COHORT_RETURN_IF_ERROR(out.Write({"neighbours.csv", "the most similar meshes of each mesh", unit},
-                                   NeighboursCsv(fetched.matrix, neighbours, fetched.persons)));
+  if (HasNeighbours(spec)) {
+    COHORT_RETURN_IF_ERROR(
+        out.Write({"neighbours.csv", "the most similar meshes of each mesh", unit},
+                  NeighboursCsv(fetched.matrix, neighbours, fetched.persons)));
+  } else {
+    out.LeaveOut("neighbours.csv");
+  }
   COHORT_RETURN_IF_ERROR(
       out.Write({"meshes.csv", "each file: health, labels, and how well it was aligned", "mm"},
                 MeshesCsv(fetched.meshes, fetched.alignments)));
@@ -136,13 +205,19 @@ absl::Status WritePictures(FolderWriter& out,
                                    HeatmapPng(fetched.matrix, description)));
   COHORT_RETURN_IF_ERROR(out.Write({"histogram.png", "distribution of the pairs", unit},
                                    HistogramPng(fetched.matrix, description, fetched.persons)));
-  COHORT_RETURN_IF_ERROR(
-      out.Write({"mean_shape.ply", "the mean shape", "mm"}, MeanShapePly(fetched.mean_shape)));
+  const JobSpec& spec = fetched.job.spec;
+  const bool is_fidentis = spec.arithmetic == Arithmetic::kFidentis;
+  const std::string mean = "the mean shape";
+  const std::string stepped = "the aligned base mesh moved by one averaging step";
+  COHORT_RETURN_IF_ERROR(out.Write(
+      {"mean_shape.ply", is_fidentis && spec.method != Method::kAverage ? stepped : mean, "mm"},
+      MeanShapePly(fetched.mean_shape)));
   return out.Write({"variation.ply",
-                    "the mean shape with, for each vertex, the metrics of its distances to all "
-                    "meshes as scalars and the RMS as colour",
+                    (is_fidentis ? stepped : mean) +
+                        " with, for each vertex, the metrics of its distances to all "
+                        "meshes as scalars and the RMS as colour",
                     "mm"},
-                   VariationPly(fetched.mean_shape, fetched.variation));
+                   VariationPly(fetched.variation_shape, fetched.variation));
 }
 
 void CountPersons(const Fetched& fetched,
@@ -170,8 +245,11 @@ absl::StatusOr<ResultsDigest> WriteResults(Session& session,
   COHORT_ASSIGN_OR_RETURN(const Fetched fetched, Fetch(session, id, metric));
   COHORT_RETURN_IF_ERROR(PrepareFolder(folder));
   const JobSpec& spec = fetched.job.spec;
-  const MatrixDescription description{
-      .metric = spec.metric, .method = spec.method, .symmetrization = spec.symmetrization};
+  const MatrixDescription description{.metric = spec.metric,
+                                      .method = spec.method,
+                                      .symmetrization = spec.symmetrization,
+                                      .arithmetic = spec.arithmetic,
+                                      .sign = spec.compare.sign};
   const auto neighbours = NearestNeighbours(fetched.matrix, spec.neighbours);
   FolderWriter out(folder);
   COHORT_RETURN_IF_ERROR(WriteTables(out, fetched, neighbours, ValueUnit(description)));
@@ -185,7 +263,10 @@ absl::StatusOr<ResultsDigest> WriteResults(Session& session,
   ResultsDigest digest;
   digest.job = fetched.job;
   digest.meshes = fetched.meshes;
-  CountPersons(fetched, neighbours, digest);
+  digest.notes = NotesOf(fetched);
+  if (HasNeighbours(spec)) {
+    CountPersons(fetched, neighbours, digest);
+  }
   for (const ResultFile& file : out.Files()) {
     digest.files.push_back(file.name);
   }
@@ -195,6 +276,7 @@ absl::StatusOr<ResultsDigest> WriteResults(Session& session,
                 JobJson({.job = fetched.job,
                          .meshes = fetched.meshes,
                          .files = out.Files(),
+                         .notes = digest.notes,
                          .software_version = "cohort " + std::string(BuildVersion()),
                          .host = HostName()})));
   digest.files.push_back("job.json");

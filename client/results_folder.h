@@ -14,6 +14,7 @@ struct ResultsDigest {
   Job job;
   std::vector<JobMesh> meshes;
   std::vector<std::string> files;  ///< Names in the folder, the first ones to look at first.
+  std::vector<std::string> notes;  ///< What people must know of the results; one line each.
   /// With persons: meshes whose nearest mesh is the same person, and meshes that have another one.
   int64_t nearest_same_person = 0;
   int64_t with_same_person = 0;

@@ -257,6 +257,10 @@ absl::StatusOr<JobOutputs> Session::GetOutputs(const JobId& id) {
   if (!response.base_choice_sha256().empty()) {
     COHORT_ASSIGN_OR_RETURN(outputs.base_choice, Digest::FromHex(response.base_choice_sha256()));
   }
+  if (!response.variation_shape_sha256().empty()) {
+    COHORT_ASSIGN_OR_RETURN(outputs.variation_shape,
+                            Digest::FromHex(response.variation_shape_sha256()));
+  }
   return outputs;
 }
 

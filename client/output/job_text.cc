@@ -68,8 +68,10 @@ std::string JobToText(const Job& job) {
   if (job.rejected_meshes > 0) {
     text += fmt::format(" ({} rejected)", job.rejected_meshes);
   }
-  text += fmt::format(", method {}, metric {}\n", MethodName(job.spec.method),
-                      MetricName(job.spec.metric));
+  text += fmt::format(", method {}, metric {}{}{}\n", MethodName(job.spec.method),
+                      MetricName(job.spec.metric),
+                      job.spec.compare.sign == DistanceSign::kSigned ? " (signed)" : "",
+                      job.spec.arithmetic == Arithmetic::kFidentis ? ", preset fidentis" : "");
   text += fmt::format("  created {}, took {}\n", Iso8601Utc(job.created_unix_ms), Duration(job));
   if (!job.error.empty()) {
     text += "  error: " + job.error + "\n";
@@ -107,8 +109,13 @@ std::string ResultsToText(const ResultsDigest& results, const std::string& folde
     text += fmt::format("nearest mesh is the same person: {} of {}\n", results.nearest_same_person,
                         results.with_same_person);
   }
+  for (const std::string& note : results.notes) {
+    text += "note: " + note + "\n";
+  }
   text += "results are in " + folder + "\n";
-  text += "  look first at heatmap.png, matrix.csv, neighbours.csv, mean_shape.ply\n";
+  const bool has_neighbours = results.job.spec.compare.sign == DistanceSign::kAbsolute;
+  text += std::string("  look first at heatmap.png, matrix.csv, ") +
+          (has_neighbours ? "neighbours.csv, " : "") + "mean_shape.ply\n";
   return text;
 }
 
@@ -122,6 +129,7 @@ nlohmann::json ResultsToJson(const ResultsDigest& results, const std::string& fo
   return {{"job", JobToJson(results.job)},
           {"folder", folder},
           {"files", results.files},
+          {"notes", results.notes},
           {"rejected", rejected},
           {"nearest_same_person", results.nearest_same_person},
           {"with_same_person", results.with_same_person}};

@@ -18,7 +18,8 @@ struct KeptField {
   friend bool operator==(const KeptField&, const KeptField&) = default;
 };
 /// Fields of all directed pairs sources x targets. The distances of a pair are in the order of the
-/// slots of the packed source mesh as it was measured (PackedMesh).
+/// slots of the packed source mesh as it was measured (PackedMesh); with Arithmetic::kFidentis they
+/// are signed and in the order of the file's vertices.
 struct FieldBlock {
   std::vector<int32_t> sources;   ///< Job indices, rows.
   std::vector<int32_t> targets;   ///< Job indices, columns.

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/base/status_macros.h"
+#include "common/jobs/fidentis_spec.h"
 #include "common/jobs/job_spec_names.h"
 #include "common/jobs/json_fields.h"
 
@@ -20,6 +21,32 @@ template <typename T>
 absl::Status Refused(std::string_view field, T value, std::string_view expected) {
   return absl::InvalidArgumentError(absl::StrCat("job spec: ", std::string(field), " is ", value,
                                                  ", expected ", std::string(expected)));
+}
+
+/// What only one arithmetic has, or has in another way.
+absl::Status CheckEngine(const JobSpec& spec) {
+  if (spec.arithmetic == Arithmetic::kFidentis) {
+    return ValidateFidentis(spec);
+  }
+  if (spec.icp.scale_mode == ScaleMode::kFromX) {
+    return Refused("icp.scale", "\"from-x\"", "symmetric, least-squares or off");
+  }
+  if (spec.compare.sign == DistanceSign::kSigned) {
+    return Refused("compare.sign", "\"signed\"", "\"absolute\" but in the preset fidentis");
+  }
+  if (spec.position_bits < kMinPositionBits || spec.position_bits > kMaxPositionBits) {
+    return Refused("position_bits", spec.position_bits,
+                   absl::StrCat(kMinPositionBits, " to ", kMaxPositionBits));
+  }
+  if (absl::Status status = spec.icp.Validate(); !status.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("job spec: icp: ", std::string(status.message())));
+  }
+  if (absl::Status status = spec.undersampling.Validate(); !status.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("job spec: undersampling: ", std::string(status.message())));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -49,23 +76,11 @@ absl::Status JobSpec::Validate() const {
   if (neighbours < 1) {
     return Refused("neighbours", neighbours, "at least 1");
   }
-  if (position_bits < kMinPositionBits || position_bits > kMaxPositionBits) {
-    return Refused("position_bits", position_bits,
-                   absl::StrCat(kMinPositionBits, " to ", kMaxPositionBits));
-  }
   const bool checked = std::isfinite(size_ratio_limit) && size_ratio_limit > 1;
   if (size_ratio_limit != 0 && !checked) {
     return Refused("size_ratio_limit", size_ratio_limit, "0 (not checked) or more than 1");
   }
-  if (absl::Status status = icp.Validate(); !status.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("job spec: icp: ", std::string(status.message())));
-  }
-  if (absl::Status status = undersampling.Validate(); !status.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("job spec: undersampling: ", std::string(status.message())));
-  }
-  return absl::OkStatus();
+  return CheckEngine(*this);
 }
 
 absl::StatusOr<JobSpec> PresetSpec(std::string_view preset, Method method) {
@@ -84,12 +99,16 @@ absl::StatusOr<JobSpec> PresetSpec(std::string_view preset, Method method) {
     spec.rounds = 3;
     return spec;
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("preset is \"", std::string(preset), "\", expected default or thesis"));
+  if (preset == "fidentis") {
+    return FidentisSpec(method);
+  }
+  return absl::InvalidArgumentError(absl::StrCat("preset is \"", std::string(preset),
+                                                 "\", expected default, thesis or fidentis"));
 }
 
 nlohmann::json ToJson(const JobSpec& spec) {
-  return {{"method", MethodName(spec.method)},
+  return {{"arithmetic", ArithmeticName(spec.arithmetic)},
+          {"method", MethodName(spec.method)},
           {"base_rule", BaseRuleName(spec.base_rule)},
           {"base", spec.base},
           {"rounds", spec.rounds},
@@ -115,7 +134,8 @@ nlohmann::json ToJson(const JobSpec& spec) {
           {"compare",
            {{"correspondence", CorrespondenceName(spec.compare.correspondence)},
             {"boundary_pairs", BoundaryPairsName(spec.compare.boundary_pairs)},
-            {"retention", RetentionName(spec.compare.retention)}}},
+            {"retention", RetentionName(spec.compare.retention)},
+            {"sign", DistanceSignName(spec.compare.sign)}}},
           {"retention_budget", spec.retention_budget},
           {"preview", spec.preview},
           {"metric", MetricName(spec.metric)},
@@ -154,6 +174,7 @@ void ReadCompare(JsonFields& fields, CompareOptions& compare) {
   fields.ReadName("correspondence", CorrespondenceFromName, compare.correspondence);
   fields.ReadName("boundary_pairs", BoundaryPairsFromName, compare.boundary_pairs);
   fields.ReadName("retention", RetentionFromName, compare.retention);
+  fields.ReadName("sign", DistanceSignFromName, compare.sign);
 }
 
 }  // namespace
@@ -161,6 +182,7 @@ void ReadCompare(JsonFields& fields, CompareOptions& compare) {
 absl::StatusOr<JobSpec> JobSpecFromJson(const nlohmann::json& json) {
   JobSpec spec;
   JsonFields fields(json, "job spec", absl::StatusCode::kInvalidArgument, Presence::kOptional);
+  fields.ReadName("arithmetic", ArithmeticFromName, spec.arithmetic);
   fields.ReadName("method", MethodFromName, spec.method);
   fields.ReadName("base_rule", BaseRuleFromName, spec.base_rule);
   fields.Read("base", spec.base);

@@ -40,11 +40,20 @@ enum class Retention {
   kAuto,     ///< The richest that fits JobSpec::retention_budget.
 };
 
+/// Whose numbers a job computes.
+enum class Arithmetic {
+  kExact,  ///< Ours.
+  /// The predecessor's, FIDENTIS Analyst of 2016, with its defects: float32, summed in the order of
+  /// the file. Takes few of the options; ValidateFidentis names the others.
+  kFidentis,
+};
+
 /// How the distances of a pair are measured.
 struct CompareOptions {
   Correspondence correspondence = Correspondence::kVertex;
   BoundaryPairs boundary_pairs = BoundaryPairs::kKeep;
-  Retention retention = Retention::kAuto;  ///< In a task never kAuto.
+  Retention retention = Retention::kAuto;       ///< In a task never kAuto.
+  DistanceSign sign = DistanceSign::kAbsolute;  ///< kSigned only with Arithmetic::kFidentis.
   friend bool operator==(const CompareOptions&, const CompareOptions&) = default;
 };
 
@@ -57,6 +66,7 @@ enum class Symmetrization {
 
 /// Everything that determines the numbers of a job, apart from its meshes.
 struct JobSpec {
+  Arithmetic arithmetic = Arithmetic::kExact;
   Method method = Method::kAverage;
   BaseRule base_rule = BaseRule::kGiven;
   std::string base;  ///< Mesh name of the first reference; empty: the first usable mesh by name.
@@ -73,8 +83,9 @@ struct JobSpec {
   bool preview = false;
   Metric metric = Metric::kRms;
   Symmetrization symmetrization = Symmetrization::kMean;
-  int neighbours = 3;      ///< Most similar faces listed per face, >= 1.
-  int position_bits = 18;  ///< Draco quantisation of the canonical meshes, 8..30.
+  int neighbours = 3;  ///< Most similar faces listed per face, >= 1.
+  /// Draco quantisation of the canonical meshes, 8..30; with kFidentis 0: as in the file.
+  int position_bits = 18;
   /// Meshes more than this many times larger or smaller than the median one (RMS radius) are taken
   /// for another unit of length and the job is refused. 0: not checked.
   double size_ratio_limit = 5;
@@ -84,7 +95,7 @@ struct JobSpec {
 };
 
 /// "default"; "thesis" (I = 10 per round, e = 0.05, M = 3, least-squares scale, plain ICP; for one
-/// and each I = 40, as the thesis's tables use). `method` is set too.
+/// and each I = 40, as the thesis's tables use); "fidentis" (FidentisSpec). `method` is set too.
 /// @return kInvalidArgument listing the presets.
 [[nodiscard]] absl::StatusOr<JobSpec> PresetSpec(std::string_view preset, Method method);
 
@@ -96,6 +107,10 @@ struct JobSpec {
     Symmetrization value);  ///< "mean", "max", "directed".
 [[nodiscard]] std::optional<Symmetrization> SymmetrizationFromName(std::string_view name);
 
+[[nodiscard]] std::string_view ArithmeticName(Arithmetic value);  ///< "exact", "fidentis".
+[[nodiscard]] std::optional<Arithmetic> ArithmeticFromName(std::string_view name);
+[[nodiscard]] std::string_view DistanceSignName(DistanceSign value);  ///< "absolute", "signed".
+[[nodiscard]] std::optional<DistanceSign> DistanceSignFromName(std::string_view name);
 [[nodiscard]] std::string_view BaseRuleName(BaseRule rule);  ///< "given", "auto".
 /// "vectors", "compact", "sketch", "metrics", "auto".
 [[nodiscard]] std::string_view RetentionName(Retention retention);

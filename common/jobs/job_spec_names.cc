@@ -19,9 +19,14 @@ constexpr Names<PoseMode, 2> kPoseModes = {
 constexpr Names<Symmetrization, 3> kSymmetrizations = {{{Symmetrization::kMean, "mean"},
                                                         {Symmetrization::kMax, "max"},
                                                         {Symmetrization::kDirected, "directed"}}};
-constexpr Names<ScaleMode, 3> kScaleModes = {{{ScaleMode::kOff, "off"},
+constexpr Names<ScaleMode, 4> kScaleModes = {{{ScaleMode::kOff, "off"},
                                               {ScaleMode::kFree, "least-squares"},
-                                              {ScaleMode::kSymmetric, "symmetric"}}};
+                                              {ScaleMode::kSymmetric, "symmetric"},
+                                              {ScaleMode::kFromX, "from-x"}}};
+constexpr Names<Arithmetic, 2> kArithmetics = {
+    {{Arithmetic::kExact, "exact"}, {Arithmetic::kFidentis, "fidentis"}}};
+constexpr Names<DistanceSign, 2> kDistanceSigns = {
+    {{DistanceSign::kAbsolute, "absolute"}, {DistanceSign::kSigned, "signed"}}};
 constexpr Names<BaseRule, 2> kBaseRules = {
     {{BaseRule::kGiven, "given"}, {BaseRule::kAuto, "auto"}}};
 constexpr Names<Retention, 5> kRetentions = {{{Retention::kVectors, "vectors"},
@@ -86,6 +91,18 @@ std::string_view ScaleModeName(ScaleMode mode) {
 }
 std::optional<ScaleMode> ScaleModeFromName(std::string_view name) {
   return FromName(kScaleModes, name);
+}
+std::string_view ArithmeticName(Arithmetic value) {
+  return NameOf(kArithmetics, value);
+}
+std::optional<Arithmetic> ArithmeticFromName(std::string_view name) {
+  return FromName(kArithmetics, name);
+}
+std::string_view DistanceSignName(DistanceSign value) {
+  return NameOf(kDistanceSigns, value);
+}
+std::optional<DistanceSign> DistanceSignFromName(std::string_view name) {
+  return FromName(kDistanceSigns, name);
 }
 std::string_view BaseRuleName(BaseRule rule) {
   return NameOf(kBaseRules, rule);

@@ -50,10 +50,11 @@ std::optional<JobState> JobStateFromName(std::string_view name) {
 }
 
 nlohmann::json ToJson(const JobOutputs& outputs) {
-  return {{"tiles", ToJson(outputs.tiles)},         {"alignments", ToJson(outputs.alignments)},
-          {"mean_shape", outputs.mean_shape.Hex()}, {"summary", outputs.summary.Hex()},
-          {"fields", ToJson(outputs.fields)},       {"base_choice", outputs.base_choice.Hex()},
-          {"preview", ToJson(outputs.preview)}};
+  return {
+      {"tiles", ToJson(outputs.tiles)},         {"alignments", ToJson(outputs.alignments)},
+      {"mean_shape", outputs.mean_shape.Hex()}, {"summary", outputs.summary.Hex()},
+      {"fields", ToJson(outputs.fields)},       {"base_choice", outputs.base_choice.Hex()},
+      {"preview", ToJson(outputs.preview)},     {"variation_shape", outputs.variation_shape.Hex()}};
 }
 
 absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
@@ -66,6 +67,9 @@ absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
   fields.Read("fields", outputs.fields);
   fields.Read("base_choice", outputs.base_choice);
   fields.Read("preview", outputs.preview);
+  if (json.contains("variation_shape")) {  // Not in catalogs older than the arithmetic fidentis.
+    fields.Read("variation_shape", outputs.variation_shape);
+  }
   COHORT_RETURN_IF_ERROR(fields.Finish());
   return outputs;
 }

@@ -53,6 +53,7 @@ struct JobOutputs {
   std::vector<Digest> alignments;  ///< Alignment blobs to the final reference (each: to the base).
   Digest mean_shape;               ///< Mesh blob.
   Digest summary;                  ///< Summary blob: per-vertex metrics on the mean shape.
+  Digest variation_shape;          ///< Mesh blob that the summary is of; empty: the mean shape.
   std::vector<Digest> fields;      ///< Field blobs: what is kept of the distances.
   Digest base_choice;              ///< Base blob, if the base was chosen; else empty.
   std::vector<Digest> preview;     ///< Preview blobs, if asked for; there before the others.

@@ -143,6 +143,7 @@ json ToJson(const TaskResult& result) {
           {"rejections", std::move(rejections)},
           {"counters", ToJson(result.counters)},
           {"seconds", result.seconds},
+          {"placed", result.placed.Hex()},
           {"fields", result.fields.Hex()},
           {"change", result.change},
           {"base", result.base}};
@@ -164,6 +165,9 @@ absl::StatusOr<TaskResult> TaskResultFromJson(const json& json) {
   fields.ReadObject("counters",
                     [&result](JsonFields& counters) { ReadCounters(counters, result.counters); });
   fields.Read("seconds", result.seconds);
+  if (json.contains("placed")) {  // Not in catalogs older than the arithmetic fidentis.
+    fields.Read("placed", result.placed);
+  }
   fields.Read("fields", result.fields);
   fields.Read("change", result.change);
   fields.Read("base", result.base);

@@ -48,18 +48,23 @@ struct Task {
 
   std::vector<TaskMesh> meshes;   ///< Sources. kCompare, kPreview: rows of the tile.
   std::vector<TaskMesh> targets;  ///< kCompare, kPreview: columns (equal to `meshes` on the
-                                  ///< diagonal); kAlignAndCompare: the one target.
+                                  ///< diagonal); kAlignAndCompare: the one target; kSummarize of
+                                  ///< kFidentis: the base mesh.
   Digest reference;               ///< Mesh blob; kPose, kAlign, kAverage, kVariation, kSummarize.
   /// Alignment blobs that together hold `meshes` and `targets`; kAlign: the starts;
   /// kAlignAndCompare: poses to the base mesh. Empty: identities.
   std::vector<Digest> alignments;
-  std::vector<Digest> partials;  ///< kAverage: displacement blobs, kSummarize: variation blobs,
-                                 ///< kPreview: correspondence blobs.
+  /// kAverage: displacement blobs, kSummarize: variation blobs, kPreview: correspondence blobs. With
+  /// Arithmetic::kFidentis: placed blobs; kAlign: the starts (none: the meshes of the files,
+  /// centred); kCompare: that together hold `meshes` and `targets`; kAverage, kSummarize: all.
+  std::vector<Digest> partials;
 
-  IcpOptions icp;                       ///< kAlign, kAlignAndCompare.
-  UndersamplingOptions undersampling;   ///< kAlign, kAlignAndCompare.
-  CompareOptions compare;               ///< kCompare, kAlignAndCompare.
-  int position_bits = 18;               ///< kIngest.
+  IcpOptions icp;                              ///< kAlign, kAlignAndCompare.
+  UndersamplingOptions undersampling;          ///< kAlign, kAlignAndCompare.
+  CompareOptions compare;                      ///< kCompare, kAlignAndCompare.
+  int position_bits = 18;                      ///< kIngest; 0: as in the file.
+  Arithmetic arithmetic = Arithmetic::kExact;  ///< All but kIngest.
+  bool wants_placed = false;  ///< kFidentis: kAlign, kAlignAndCompare also write a placed blob.
   bool wants_displacement = false;      ///< kAlign: also write the partial displacement sum;
                                         ///< kVariation: the correspondences.
   bool counts_reference_index = false;  ///< The first task of a stage counts the index that all of
@@ -117,6 +122,7 @@ struct TaskResult {
   Digest second_output;  ///< kAlign: displacement blob, if wanted. kVariation: correspondence
                          ///< blob, if wanted. kAlignAndCompare: alignment
                          ///< blob. kSummarize: mean shape as mesh blob.
+  Digest placed;         ///< If wanted: the meshes as they were aligned.
   Digest fields;      ///< kCompare, kAlignAndCompare: what is kept of the distances; empty: none.
   int32_t base = -1;  ///< kChooseBase: index of the mesh.
   double change = 0;  ///< kAverage: RMS over the vertices of how far the reference moved.

@@ -72,7 +72,7 @@ std::string SymmetrizationText(Symmetrization symmetrization) {
 
 void AddTitles(int64_t count, const MatrixDescription& description, HeatmapLayout& layout) {
   layout.title = MetricText(description) + ", " + Counted(count, "mesh", "meshes");
-  layout.subtitle = MethodText(description.method) + "; " +
+  layout.subtitle = MethodText(description) + "; " +
                     (description.is_preview ? "over corresponding points"
                                             : SymmetrizationText(description.symmetrization));
   layout.bar_title = ValueUnit(description);

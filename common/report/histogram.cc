@@ -172,7 +172,7 @@ void DrawMedian(const Series& series, const Plot& plot, Canvas& canvas) {
 }
 
 std::string Subtitle(const MatrixDescription& description) {
-  std::string method = MethodText(description.method);
+  std::string method = MethodText(description);
   switch (description.symmetrization) {
     case Symmetrization::kMean:
       return method + "; mean of both directions";

@@ -97,6 +97,7 @@ std::string JobJson(const JobJsonInput& input) {
     json["files"].push_back(
         {{"name", file.name}, {"description", file.description}, {"unit", file.unit}});
   }
+  if (!input.notes.empty()) json["notes"] = input.notes;
   json["counters"] = Json(ToJson(job.counters));
   json["totals"] = TotalsJson(job.counters);
   json["meshes"] = Json::array();

@@ -18,8 +18,9 @@ struct JobJsonInput {
   Job job;
   std::vector<JobMesh> meshes;  ///< The job's order.
   std::vector<ResultFile> files;
-  std::string software_version;  ///< E.g. "cohort 0.1.0".
-  std::string host;              ///< Where the job was run or fetched.
+  std::vector<std::string> notes;  ///< What people must know of the results; one line each.
+  std::string software_version;    ///< E.g. "cohort 0.1.0".
+  std::string host;                ///< Where the job was run or fetched.
 };
 
 /// job.json: what was computed from what, with which result.

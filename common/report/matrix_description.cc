@@ -2,18 +2,34 @@
 
 namespace cohort {
 
-std::string MethodText(Method method) {
+namespace {
+
+std::string AlignedText(Method method) {
   switch (method) {
     case Method::kAverage:
-      return "Aligned to the mean shape (method average)";
+      return "Aligned to the mean shape";
     case Method::kOne:
-      return "Aligned to the base mesh (method one)";
+      return "Aligned to the base mesh";
     case Method::kEach:
-      return "Each pair aligned, source to target (method each)";
+      return "Each pair aligned, source to target";
     case Method::kNone:
-      return "Not aligned (method none)";
+      return "Not aligned";
   }
   return "";
+}
+
+}  // namespace
+
+std::string MethodText(const MatrixDescription& description) {
+  const bool is_fidentis = description.arithmetic == Arithmetic::kFidentis;
+  return AlignedText(description.method) + " (method " +
+         std::string(MethodName(description.method)) + (is_fidentis ? ", preset fidentis)" : ")");
+}
+
+std::string MetricText(const MatrixDescription& description) {
+  if (description.is_preview) return "Corresponded RMS (preview)";
+  const std::string title(MetricTitle(description.metric));
+  return description.sign == DistanceSign::kSigned ? title + " (signed)" : title;
 }
 
 std::string ValueUnit(const MatrixDescription& description) {
@@ -21,15 +37,13 @@ std::string ValueUnit(const MatrixDescription& description) {
   return is_square ? description.unit + "²" : description.unit;
 }
 
-std::string MetricText(const MatrixDescription& description) {
-  return description.is_preview ? "Corresponded RMS (preview)"
-                                : std::string(MetricTitle(description.metric));
-}
-
 std::string ValueTitle(const MatrixDescription& description) {
   const std::string unit = ValueUnit(description);
-  const std::string title = MetricText(description);
-  return unit.empty() ? title : title + " (" + unit + ")";
+  if (unit.empty()) return MetricText(description);
+  if (description.is_preview || description.sign == DistanceSign::kAbsolute) {
+    return MetricText(description) + " (" + unit + ")";
+  }
+  return std::string(MetricTitle(description.metric)) + " (signed, " + unit + ")";
 }
 
 std::string WithUnit(const std::string& number, const MatrixDescription& description) {

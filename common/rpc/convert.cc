@@ -286,6 +286,8 @@ v1::Task ToProto(const Task& task) {
   *wire.mutable_undersampling() = ToProto(task.undersampling);
   *wire.mutable_compare() = ToProto(task.compare);
   wire.set_position_bits(task.position_bits);
+  wire.set_arithmetic(ToProto(task.arithmetic));
+  wire.set_wants_placed(task.wants_placed);
   wire.set_wants_displacement(task.wants_displacement);
   wire.set_counts_reference_index(task.counts_reference_index);
   wire.set_moves_reference(task.moves_reference);
@@ -308,6 +310,8 @@ absl::StatusOr<Task> FromProto(const v1::Task& wire) {
   COHORT_ASSIGN_OR_RETURN(task.undersampling, FromProto(wire.undersampling()));
   COHORT_ASSIGN_OR_RETURN(task.compare, FromProto(wire.compare()));
   task.position_bits = wire.position_bits();
+  COHORT_ASSIGN_OR_RETURN(task.arithmetic, FromProto(wire.arithmetic()));
+  task.wants_placed = wire.wants_placed();
   task.wants_displacement = wire.wants_displacement();
   task.counts_reference_index = wire.counts_reference_index();
   task.moves_reference = wire.moves_reference();
@@ -329,6 +333,7 @@ v1::TaskResult ToProto(const TaskResult& result) {
   }
   *wire.mutable_counters() = ToProto(result.counters);
   wire.set_seconds(result.seconds);
+  wire.set_placed_sha256(result.placed.Hex());
   wire.set_fields_sha256(result.fields.Hex());
   wire.set_change(result.change);
   wire.set_base(result.base);
@@ -348,6 +353,7 @@ absl::StatusOr<TaskResult> FromProto(const v1::TaskResult& wire) {
   }
   result.counters = FromProto(wire.counters());
   result.seconds = wire.seconds();
+  COHORT_ASSIGN_OR_RETURN(result.placed, OptionalDigest(wire.placed_sha256()));
   COHORT_ASSIGN_OR_RETURN(result.fields, OptionalDigest(wire.fields_sha256()));
   result.change = wire.change();
   result.base = wire.base();

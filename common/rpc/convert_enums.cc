@@ -24,7 +24,9 @@ absl::StatusOr<Ours> Unshift(Wire wire, Ours last, const char* name) {
 // The shift holds as long as first and last agree and nothing is inserted in between.
 static_assert(static_cast<int>(Method::kNone) + 1 == v1::METHOD_NONE);
 static_assert(static_cast<int>(PoseMode::kNone) + 1 == v1::POSE_MODE_NONE);
-static_assert(static_cast<int>(ScaleMode::kSymmetric) + 1 == v1::SCALE_MODE_SYMMETRIC);
+static_assert(static_cast<int>(ScaleMode::kFromX) + 1 == v1::SCALE_MODE_FROM_X);
+static_assert(static_cast<int>(Arithmetic::kFidentis) + 1 == v1::ARITHMETIC_FIDENTIS);
+static_assert(static_cast<int>(DistanceSign::kSigned) + 1 == v1::DISTANCE_SIGN_SIGNED);
 static_assert(static_cast<int>(Metric::kPercentile75) + 1 == v1::METRIC_PERCENTILE_75);
 static_assert(static_cast<int>(Symmetrization::kDirected) + 1 == v1::SYMMETRIZATION_DIRECTED);
 static_assert(static_cast<int>(JobState::kCancelled) + 1 == v1::JOB_STATE_CANCELLED);
@@ -68,7 +70,7 @@ absl::StatusOr<PoseMode> FromProto(v1::PoseMode wire) {
   return Unshift(wire, PoseMode::kNone, "pose");
 }
 absl::StatusOr<ScaleMode> FromProto(v1::ScaleMode wire) {
-  return Unshift(wire, ScaleMode::kSymmetric, "scale");
+  return Unshift(wire, ScaleMode::kFromX, "scale");
 }
 absl::StatusOr<Metric> FromProto(v1::Metric wire) {
   return Unshift(wire, Metric::kPercentile75, "metric");
@@ -81,6 +83,18 @@ absl::StatusOr<JobState> FromProto(v1::JobState wire) {
 }
 absl::StatusOr<TaskKind> FromProto(v1::TaskKind wire) {
   return Unshift(wire, TaskKind::kPreview, "kind");
+}
+v1::Arithmetic ToProto(Arithmetic value) {
+  return Shift<v1::Arithmetic>(value);
+}
+absl::StatusOr<Arithmetic> FromProto(v1::Arithmetic wire) {
+  return Unshift(wire, Arithmetic::kFidentis, "arithmetic");
+}
+v1::DistanceSign ToProto(DistanceSign value) {
+  return Shift<v1::DistanceSign>(value);
+}
+absl::StatusOr<DistanceSign> FromProto(v1::DistanceSign wire) {
+  return Unshift(wire, DistanceSign::kSigned, "distance sign");
 }
 v1::BaseRule ToProto(BaseRule value) {
   return Shift<v1::BaseRule>(value);

@@ -17,6 +17,8 @@ namespace cohort {
 [[nodiscard]] v1::ScaleMode ToProto(ScaleMode scale);
 [[nodiscard]] v1::Metric ToProto(Metric metric);
 [[nodiscard]] v1::Symmetrization ToProto(Symmetrization symmetrization);
+[[nodiscard]] v1::Arithmetic ToProto(Arithmetic value);
+[[nodiscard]] v1::DistanceSign ToProto(DistanceSign value);
 [[nodiscard]] v1::BaseRule ToProto(BaseRule value);
 [[nodiscard]] v1::Acceleration ToProto(Acceleration value);
 [[nodiscard]] v1::BoundaryPairs ToProto(BoundaryPairs value);
@@ -31,6 +33,8 @@ namespace cohort {
 [[nodiscard]] absl::StatusOr<ScaleMode> FromProto(v1::ScaleMode wire);
 [[nodiscard]] absl::StatusOr<Metric> FromProto(v1::Metric wire);
 [[nodiscard]] absl::StatusOr<Symmetrization> FromProto(v1::Symmetrization wire);
+[[nodiscard]] absl::StatusOr<Arithmetic> FromProto(v1::Arithmetic wire);
+[[nodiscard]] absl::StatusOr<DistanceSign> FromProto(v1::DistanceSign wire);
 [[nodiscard]] absl::StatusOr<BaseRule> FromProto(v1::BaseRule wire);
 [[nodiscard]] absl::StatusOr<Acceleration> FromProto(v1::Acceleration wire);
 [[nodiscard]] absl::StatusOr<BoundaryPairs> FromProto(v1::BoundaryPairs wire);

@@ -65,6 +65,7 @@ v1::CompareOptions ToProto(const CompareOptions& compare) {
   wire.set_correspondence(ToProto(compare.correspondence));
   wire.set_boundary_pairs(ToProto(compare.boundary_pairs));
   wire.set_retention(ToProto(compare.retention));
+  wire.set_sign(ToProto(compare.sign));
   return wire;
 }
 
@@ -73,11 +74,13 @@ absl::StatusOr<CompareOptions> FromProto(const v1::CompareOptions& wire) {
   COHORT_ASSIGN_OR_RETURN(compare.correspondence, FromProto(wire.correspondence()));
   COHORT_ASSIGN_OR_RETURN(compare.boundary_pairs, FromProto(wire.boundary_pairs()));
   COHORT_ASSIGN_OR_RETURN(compare.retention, FromProto(wire.retention()));
+  COHORT_ASSIGN_OR_RETURN(compare.sign, FromProto(wire.sign()));
   return compare;
 }
 
 v1::JobSpec ToProto(const JobSpec& spec) {
   v1::JobSpec wire;
+  wire.set_arithmetic(ToProto(spec.arithmetic));
   wire.set_method(ToProto(spec.method));
   wire.set_base_rule(ToProto(spec.base_rule));
   wire.set_base(spec.base);
@@ -99,6 +102,7 @@ v1::JobSpec ToProto(const JobSpec& spec) {
 
 absl::StatusOr<JobSpec> FromProto(const v1::JobSpec& wire) {
   JobSpec spec;
+  COHORT_ASSIGN_OR_RETURN(spec.arithmetic, FromProto(wire.arithmetic()));
   COHORT_ASSIGN_OR_RETURN(spec.method, FromProto(wire.method()));
   COHORT_ASSIGN_OR_RETURN(spec.base_rule, FromProto(wire.base_rule()));
   spec.base = wire.base();

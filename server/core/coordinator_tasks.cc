@@ -231,7 +231,7 @@ absl::StatusOr<std::vector<GrantedTask>> Coordinator::GrantTasks(const WorkerId&
 }
 
 absl::Status Coordinator::CheckOutputs(const TaskResult& result) {
-  std::vector<Digest> outputs = {result.output, result.second_output, result.fields};
+  std::vector<Digest> outputs = {result.output, result.second_output, result.placed, result.fields};
   for (const IngestedMesh& mesh : result.ingested) {
     outputs.push_back(mesh.blob);
   }

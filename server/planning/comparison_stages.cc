@@ -8,18 +8,24 @@ namespace cohort {
 namespace {
 
 constexpr double kSecondsPerLookup = 1.8e-8;
+constexpr double kFidentisSecondsPerLookup = 4e-7;
 constexpr int kExpectedIterations = 35;
 constexpr int64_t kBlocksPerSide = 24;      ///< Tiles for some hundreds of slots,
 constexpr double kLeastTileSeconds = 0.05;  ///< unless they would be over sooner than handed out;
 constexpr int64_t kMaxBlockSize = 32;       ///< more if they would grow beyond this
 constexpr double kMostTileBytes = 256e6;    ///< or their distances, where kept, beyond this.
 
+double SecondsPerLookup(const PlanState& state) {
+  return state.spec.arithmetic == Arithmetic::kFidentis ? kFidentisSecondsPerLookup
+                                                        : kSecondsPerLookup;
+}
+
 /// Meshes on a side of a tile; follows from the meshes alone.
 int64_t BlockSize(const PlanState& state) {
   constexpr double kVectorBytes = 3.3;
   const double vertices =
       std::max(1.0, state.VerticesOf(state.active) / static_cast<double>(state.ActiveCount()));
-  const double pairs_at_least = kLeastTileSeconds / (vertices * kSecondsPerLookup);
+  const double pairs_at_least = kLeastTileSeconds / (vertices * SecondsPerLookup(state));
   const double pairs_at_most = kMostTileBytes / (vertices * kVectorBytes);
   // A tile of b meshes a side holds 2 b^2 pairs.
   const auto least = static_cast<int64_t>(std::sqrt(pairs_at_least / 2));
@@ -66,6 +72,10 @@ CompareOptions ResolvedCompare(const PlanState& state) {
   if (compare.retention == Retention::kAuto) {
     compare.retention = Retention::kMetrics;
     for (const Retention richer : {Retention::kSketch, Retention::kCompact, Retention::kVectors}) {
+      // The predecessor's distances are kept whole or not at all.
+      if (state.spec.arithmetic == Arithmetic::kFidentis && richer != Retention::kVectors) {
+        continue;
+      }
       if (BytesKept(state, richer) <= static_cast<double>(state.spec.retention_budget)) {
         compare.retention = richer;
       }
@@ -97,7 +107,7 @@ class CompareStage final : public Stage {
     if (row != column) {
       lookups += state.VerticesOf(columns) * static_cast<double>(rows.size());
     }
-    return lookups * kSecondsPerLookup;
+    return lookups * SecondsPerLookup(state);
   }
 
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
@@ -114,6 +124,10 @@ class CompareStage final : public Stage {
     made.targets = state.TaskMeshes(columns);
     made.alignments = state.AlignmentsOf(both);
     made.compare = ResolvedCompare(state);
+    if (state.spec.arithmetic == Arithmetic::kFidentis) {
+      made.arithmetic = Arithmetic::kFidentis;
+      made.partials = state.PlacedOf(both);
+    }
     made.frame_center = state.meshes[static_cast<size_t>(state.base)].ingested->centroid;
     return made;
   }
@@ -144,7 +158,7 @@ class AlignAndCompareStage final : public Stage {
 
   [[nodiscard]] double TaskCost(const PlanState& state, int64_t /*task*/) const override {
     const int iterations = std::min(state.spec.icp.max_iterations, kExpectedIterations);
-    return state.VerticesOf(state.active) * (iterations + 1) * kSecondsPerLookup;
+    return state.VerticesOf(state.active) * (iterations + 1) * SecondsPerLookup(state);
   }
 
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
@@ -157,6 +171,10 @@ class AlignAndCompareStage final : public Stage {
     made.undersampling = state.spec.undersampling;
     made.compare = ResolvedCompare(state);
     made.counts_reference_index = true;
+    if (state.spec.arithmetic == Arithmetic::kFidentis) {
+      made.arithmetic = Arithmetic::kFidentis;
+      made.wants_placed = state.active[static_cast<size_t>(task)] == state.base;
+    }
     return made;
   }
 
@@ -165,13 +183,15 @@ class AlignAndCompareStage final : public Stage {
     for (size_t i = 0; i < results.size(); ++i) {
       state.outputs.tiles.push_back(results[i].output);
       AddFields(state, results[i]);
-      if (state.active[i] == state.base) {
-        state.outputs.alignments = {results[i].second_output};
+      if (state.active[i] != state.base) {
+        continue;
       }
-    }
-    // One blob holds all alignments to the base.
-    for (Batch& batch : state.batches) {
-      batch.alignment = state.outputs.alignments.front();
+      state.outputs.alignments = {results[i].second_output};
+      // One blob holds all alignments to the base.
+      for (Batch& batch : state.batches) {
+        batch.alignment = results[i].second_output;
+        batch.placed = results[i].placed;
+      }
     }
     return absl::OkStatus();
   }

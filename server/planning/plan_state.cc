@@ -15,6 +15,24 @@ constexpr int64_t kMeshesPerBatchStep = 64;  ///< A job has about 64 batches,
 constexpr int64_t kMaxBatchSize = 16;        ///< more if they would grow beyond this.
 constexpr int64_t kNamedRejections = 3;
 
+/// One blob of each batch that holds some of `chosen`, each once, in batch order.
+std::vector<Digest> BlobsOf(const std::vector<Batch>& batches,
+                            const std::vector<int32_t>& chosen,
+                            Digest Batch::*blob) {
+  std::vector<Digest> result;
+  for (const int32_t mesh : chosen) {
+    // Batches are consecutive: the last one that begins at or before the mesh holds it.
+    const auto after =
+        std::partition_point(batches.begin(), batches.end(),
+                             [mesh](const Batch& batch) { return batch.meshes.front() <= mesh; });
+    const Digest& found = (*std::prev(after)).*blob;
+    if (!found.empty() && (result.empty() || result.back() != found)) {
+      result.push_back(found);
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 double PlanState::VerticesOf(int32_t mesh) const {
@@ -42,25 +60,19 @@ std::vector<TaskMesh> PlanState::TaskMeshes(const std::vector<int32_t>& chosen) 
 }
 
 std::vector<Digest> PlanState::AlignmentsOf(const std::vector<int32_t>& chosen) const {
-  std::vector<Digest> result;
-  for (const int32_t mesh : chosen) {
-    // Batches are consecutive: the last one that begins at or before the mesh holds it.
-    const auto after =
-        std::partition_point(batches.begin(), batches.end(),
-                             [mesh](const Batch& batch) { return batch.meshes.front() <= mesh; });
-    const Digest& alignment = std::prev(after)->alignment;
-    if (!alignment.empty() && (result.empty() || result.back() != alignment)) {
-      result.push_back(alignment);
-    }
-  }
-  return result;
+  return BlobsOf(batches, chosen, &Batch::alignment);
+}
+
+std::vector<Digest> PlanState::PlacedOf(const std::vector<int32_t>& chosen) const {
+  return BlobsOf(batches, chosen, &Batch::placed);
 }
 
 void PlanState::FormBatches() {
   const int64_t size = std::clamp<int64_t>(ActiveCount() / kMeshesPerBatchStep, 1, kMaxBatchSize);
   batches.clear();
   for (std::vector<int32_t>& piece : SplitEvenly(active, size)) {
-    batches.push_back({.meshes = std::move(piece), .alignment = {}, .displacement = {}});
+    batches.push_back(
+        {.meshes = std::move(piece), .alignment = {}, .displacement = {}, .placed = {}});
   }
 }
 

@@ -17,6 +17,7 @@ struct Batch {
   std::vector<int32_t> meshes;  ///< Active ones, ascending; never empty.
   Digest alignment;             ///< Newest alignment blob that holds them; empty: none yet.
   Digest displacement;          ///< Newest displacement blob.
+  Digest placed;                ///< Arithmetic::kFidentis: newest placed blob that holds them.
 };
 
 /// What a plan knows of its job between two steps. Everything here follows from the job and the
@@ -41,6 +42,9 @@ struct PlanState {
   /// Alignment blobs of the batches that hold `chosen` (active, ascending), each once, in batch
   /// order. Empty while nothing is aligned.
   [[nodiscard]] std::vector<Digest> AlignmentsOf(const std::vector<int32_t>& chosen) const;
+
+  /// The same of their placed blobs.
+  [[nodiscard]] std::vector<Digest> PlacedOf(const std::vector<int32_t>& chosen) const;
 
   /// Divides the active meshes into new batches.
   void FormBatches();

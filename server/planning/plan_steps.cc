@@ -40,9 +40,32 @@ void AddComparison(StepList& steps, const JobSpec& spec) {
   }
 }
 
+std::vector<Step> FidentisSteps(const JobSpec& spec) {
+  StepList steps;
+  steps.Add(MakeIngestStage());
+  if (spec.method == Method::kEach) {
+    steps.Add(MakeAlignAndCompareStage());
+    steps.Add(MakeFidentisSummarizeStage());
+    return std::move(steps).Take();
+  }
+  if (spec.method == Method::kAverage) {
+    for (int round = 1; round <= spec.rounds; ++round) {
+      steps.Add(MakeFidentisAlignStage("align " + std::to_string(round)));
+      steps.Add(MakeFidentisAverageStage("average " + std::to_string(round)));
+    }
+  }
+  steps.Add(MakeFidentisAlignStage(
+      spec.method == Method::kAverage ? "align " + std::to_string(spec.rounds + 1) : "align"));
+  steps.Add(MakeCompareStage(), MakeFidentisSummarizeStage());
+  return std::move(steps).Take();
+}
+
 }  // namespace
 
 std::vector<Step> MakeSteps(const JobSpec& spec) {
+  if (spec.arithmetic == Arithmetic::kFidentis) {
+    return FidentisSteps(spec);
+  }
   StepList steps;
   steps.Add(MakeIngestStage());
   if (spec.base_rule == BaseRule::kAuto) {

@@ -89,6 +89,9 @@ absl::Status CheckResult(const PlanState& state, const Task& task, const TaskRes
   if (HasSecondOutput(task) && result.second_output.empty()) {
     return Misfit(task, "no second output");
   }
+  if (task.wants_placed && result.placed.empty()) {
+    return Misfit(task, "no placed meshes");
+  }
   return absl::OkStatus();
 }
 

@@ -50,6 +50,10 @@ enum class LastShape { kReferencePlusDisplacement, kReference };
 [[nodiscard]] std::unique_ptr<const Stage> MakeAverageStage(const std::string& name);
 [[nodiscard]] std::unique_ptr<const Stage> MakeCompareStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeAlignAndCompareStage();
+// Of Arithmetic::kFidentis, besides those of ingest and comparison.
+[[nodiscard]] std::unique_ptr<const Stage> MakeFidentisAlignStage(const std::string& name);
+[[nodiscard]] std::unique_ptr<const Stage> MakeFidentisAverageStage(const std::string& name);
+[[nodiscard]] std::unique_ptr<const Stage> MakeFidentisSummarizeStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeVariationStage(Displacement displacement);
 [[nodiscard]] std::unique_ptr<const Stage> MakePreviewStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeSummarizeStage(LastShape last_shape);

@@ -106,6 +106,7 @@ grpc::Status ResultServiceSkin::GetOutputs(grpc::ServerContext* /*context*/,
   }
   response->set_mean_shape_sha256(outputs->mean_shape.Hex());
   response->set_summary_sha256(outputs->summary.Hex());
+  response->set_variation_shape_sha256(outputs->variation_shape.Hex());
   response->set_base_choice_sha256(outputs->base_choice.Hex());
   return grpc::Status::OK;
 }

@@ -9,9 +9,9 @@
 
 #include "common/base/status_macros.h"
 #include "common/jobs/blobs.h"
-#include "common/jobs/field_blob.h"
 #include "worker/tasks/align_task.h"
 #include "worker/tasks/pair_meter.h"
+#include "worker/tasks/tile_output.h"
 
 namespace cohort {
 namespace {
@@ -52,47 +52,6 @@ absl::StatusOr<Block> LoadBlock(const std::vector<TaskMesh>& inputs,
   }
   return block;
 }
-
-/// Metrics and fields of one block of pairs, filled pair by pair.
-struct MeasuredBlock {
-  MetricBlock metrics;
-  FieldBlock fields;
-
-  MeasuredBlock(const std::vector<int32_t>& sources, const std::vector<int32_t>& targets)
-      : metrics{.sources = sources, .targets = targets, .values = {}},
-        fields{.sources = sources, .targets = targets, .fields = {}} {
-    metrics.values.resize(sources.size() * targets.size());
-    fields.fields.resize(metrics.values.size());
-  }
-  void Set(size_t place, MeasuredPair pair) {
-    metrics.values[place] = pair.metrics;
-    fields.fields[place] = std::move(pair.field);
-  }
-};
-
-/// What a tile writes.
-class TileOutput {
- public:
-  explicit TileOutput(Retention retention) { fields_.retention = retention; }
-
-  void Add(MeasuredBlock block) {
-    metrics_.push_back(std::move(block.metrics));
-    if (fields_.retention != Retention::kMetrics) {
-      fields_.blocks.push_back(std::move(block.fields));
-    }
-  }
-  absl::Status Write(BlobStore& store, TaskResult& result) const {
-    COHORT_ASSIGN_OR_RETURN(result.output, store.Put(EncodeTileBlob(metrics_)));
-    if (!fields_.blocks.empty()) {
-      COHORT_ASSIGN_OR_RETURN(result.fields, store.Put(EncodeFieldBlob(fields_)));
-    }
-    return absl::OkStatus();
-  }
-
- private:
-  std::vector<MetricBlock> metrics_;
-  FieldBlob fields_;
-};
 
 /// All pairs, inner block by inner block.
 absl::StatusOr<MeasuredBlock> MeasureBlock(const Block& sources,

@@ -8,6 +8,7 @@
 #include "worker/tasks/align_task.h"
 #include "worker/tasks/choose_base_task.h"
 #include "worker/tasks/compare_task.h"
+#include "worker/tasks/fidentis_tasks.h"
 #include "worker/tasks/ingest_task.h"
 #include "worker/tasks/preview_task.h"
 #include "worker/tasks/task_context.h"
@@ -16,7 +17,28 @@
 namespace cohort {
 namespace {
 
+absl::StatusOr<TaskResult> DispatchFidentis(const Task& task, const TaskContext& context) {
+  switch (task.kind) {
+    case TaskKind::kAlign:
+      return RunFidentisAlignTask(task, context);
+    case TaskKind::kAverage:
+      return RunFidentisAverageTask(task, context);
+    case TaskKind::kCompare:
+      return RunFidentisCompareTask(task, context);
+    case TaskKind::kAlignAndCompare:
+      return RunFidentisAlignAndCompareTask(task, context);
+    case TaskKind::kSummarize:
+      return RunFidentisSummarizeTask(task, context);
+    default:
+      return absl::InvalidArgumentError("a task \"" + std::string(TaskKindName(task.kind)) +
+                                        "\" is not one of the arithmetic fidentis");
+  }
+}
+
 absl::StatusOr<TaskResult> Dispatch(const Task& task, const TaskContext& context) {
+  if (task.arithmetic == Arithmetic::kFidentis) {
+    return DispatchFidentis(task, context);
+  }
   switch (task.kind) {
     case TaskKind::kIngest:
       return RunIngestTask(task, context);

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <absl/strings/str_cat.h>
 
@@ -12,12 +14,17 @@
 namespace cohort {
 namespace {
 
+enum class NormalLines { kPassOver, kRead };
+
 class ObjParser {
  public:
-  ObjParser(std::string_view text, std::string_view file, const ReadLimits& limits)
-      : file_(file), lines_(text), builder_(file, limits) {}
+  ObjParser(std::string_view text,
+            std::string_view file,
+            const ReadLimits& limits,
+            NormalLines normal_lines)
+      : file_(file), lines_(text), builder_(file, limits), normal_lines_(normal_lines) {}
 
-  absl::StatusOr<TriangleMesh> Parse() && {
+  absl::StatusOr<ObjWithNormals> Parse() && {
     std::string_view line;
     while (lines_.Next(line)) {
       line_number_ = lines_.LineNumber();
@@ -30,7 +37,11 @@ class ObjParser {
     if (highest_index_ > builder_.VertexCount()) {
       return IndexError(highest_index_line_, highest_index_);
     }
-    return std::move(builder_).Take();
+    ObjWithNormals obj;
+    obj.mesh = std::move(builder_).Take();
+    obj.normals = Eigen::Map<const Eigen::Matrix3Xd>(
+        normals_.data(), 3, static_cast<Eigen::Index>(normals_.size() / 3));
+    return obj;
   }
 
  private:
@@ -43,10 +54,13 @@ class ObjParser {
     if (keyword == "f") {
       return ParseFace(Continued(rest));
     }
+    if (keyword == "vn" && normal_lines_ == NormalLines::kRead) {
+      return ParseNormal(Continued(rest));
+    }
     return absl::OkStatus();
   }
 
-  /// The statement with the lines that follow a backslash at its end. Only for v and f: names in
+  /// The statement with the lines that follow a backslash at its end. Only for v, f, vn: names in
   /// other statements (mtllib C:\scans\) may end with one and mean no more than that.
   std::string_view Continued(std::string_view rest) {
     if (!rest.ends_with('\\')) {
@@ -85,6 +99,19 @@ class ObjParser {
       return Error("vertex has weight 0: it is at infinity");
     }
     return builder_.AddVertex(position);
+  }
+
+  absl::Status ParseNormal(std::string_view rest) {
+    Eigen::Vector3d normal;
+    for (double& coordinate : normal) {
+      const std::string_view word = NextWord(rest);
+      if (!ParseNumber(word, coordinate)) {
+        return Error(absl::StrCat("normal ", normals_.size() / 3 + 1, ": ", Quoted(word),
+                                  " is not a finite number"));
+      }
+    }
+    normals_.insert(normals_.end(), normal.begin(), normal.end());
+    return absl::OkStatus();
   }
 
   absl::Status ParseCoordinate(std::string_view word, double& value) const {
@@ -165,6 +192,8 @@ class ObjParser {
   std::string_view file_;
   LineReader lines_;
   MeshBuilder builder_;
+  NormalLines normal_lines_;
+  std::vector<double> normals_;
   std::string joined_;
   int64_t line_number_ = 0;  ///< Where the statement begins.
   int64_t highest_index_ = 0;
@@ -176,7 +205,15 @@ class ObjParser {
 absl::StatusOr<TriangleMesh> ReadObj(std::string_view bytes,
                                      std::string_view file_name,
                                      const ReadLimits& limits) {
-  return ObjParser(bytes, file_name, limits).Parse();
+  COHORT_ASSIGN_OR_RETURN(ObjWithNormals obj,
+                          ObjParser(bytes, file_name, limits, NormalLines::kPassOver).Parse());
+  return std::move(obj.mesh);
+}
+
+absl::StatusOr<ObjWithNormals> ReadObjWithNormals(std::string_view bytes,
+                                                  std::string_view file_name,
+                                                  const ReadLimits& limits) {
+  return ObjParser(bytes, file_name, limits, NormalLines::kRead).Parse();
 }
 
 }  // namespace cohort

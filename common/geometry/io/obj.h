@@ -18,4 +18,16 @@ namespace cohort {
                                                    std::string_view file_name,
                                                    const ReadLimits& limits);
 
+/// A mesh and the normals of its file: vn lines in their order, as many as there are, whatever the
+/// faces say of them.
+struct ObjWithNormals {
+  TriangleMesh mesh;
+  Eigen::Matrix3Xd normals;  ///< 3 x k.
+};
+/// The statements v, f and vn.
+/// @return as ReadMesh.
+[[nodiscard]] absl::StatusOr<ObjWithNormals> ReadObjWithNormals(std::string_view bytes,
+                                                                std::string_view file_name,
+                                                                const ReadLimits& limits);
+
 }  // namespace cohort

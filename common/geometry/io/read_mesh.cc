@@ -75,6 +75,17 @@ bool BeginsWithWord(std::string_view bytes, std::string_view word) {
          std::string_view(" \t\r\n").find(bytes[word.size()]) != std::string_view::npos;
 }
 
+absl::Status CheckSize(std::string_view bytes,
+                       std::string_view file_name,
+                       const ReadLimits& limits) {
+  COHORT_RETURN_IF_ERROR(limits.Validate());
+  if (static_cast<int64_t>(bytes.size()) > limits.max_bytes) {
+    return absl::ResourceExhaustedError(absl::StrCat(std::string(file_name), ": ", bytes.size(),
+                                                     " bytes; the limit is ", limits.max_bytes));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status ReadLimits::Validate() const {
@@ -123,11 +134,7 @@ absl::StatusOr<MeshFormat> DetectMeshFormat(std::string_view bytes, std::string_
 absl::StatusOr<TriangleMesh> ReadMesh(std::string_view bytes,
                                       std::string_view file_name,
                                       const ReadLimits& limits) {
-  COHORT_RETURN_IF_ERROR(limits.Validate());
-  if (static_cast<int64_t>(bytes.size()) > limits.max_bytes) {
-    return absl::ResourceExhaustedError(absl::StrCat(std::string(file_name), ": ", bytes.size(),
-                                                     " bytes; the limit is ", limits.max_bytes));
-  }
+  COHORT_RETURN_IF_ERROR(CheckSize(bytes, file_name, limits));
   COHORT_ASSIGN_OR_RETURN(const MeshFormat format, DetectMeshFormat(bytes, file_name));
   switch (format) {
     case MeshFormat::kObj:
@@ -138,6 +145,27 @@ absl::StatusOr<TriangleMesh> ReadMesh(std::string_view bytes,
       return ReadStl(WithoutByteOrderMark(bytes), file_name, limits);
   }
   return absl::InternalError("a mesh format without a reader");
+}
+
+absl::StatusOr<FileMesh> ReadFileMesh(std::string_view bytes,
+                                      std::string_view file_name,
+                                      const ReadLimits& limits) {
+  COHORT_RETURN_IF_ERROR(CheckSize(bytes, file_name, limits));
+  COHORT_ASSIGN_OR_RETURN(const MeshFormat format, DetectMeshFormat(bytes, file_name));
+  ObjWithNormals read;
+  if (format == MeshFormat::kObj) {
+    COHORT_ASSIGN_OR_RETURN(read,
+                            ReadObjWithNormals(WithoutByteOrderMark(bytes), file_name, limits));
+  } else {
+    COHORT_ASSIGN_OR_RETURN(read.mesh, ReadMesh(bytes, file_name, limits));
+  }
+  FileMesh file;
+  file.vertices = read.mesh.vertices.cast<float>();
+  file.faces = std::move(read.mesh.faces);
+  if (read.normals.cols() >= file.VertexCount()) {
+    file.normals = read.normals.leftCols(file.VertexCount()).cast<float>();
+  }
+  return file;
 }
 
 }  // namespace cohort

@@ -5,6 +5,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "common/geometry/mesh/file_mesh.h"
 #include "common/geometry/mesh/triangle_mesh.h"
 
 namespace cohort {
@@ -32,6 +33,13 @@ struct ReadLimits {
 /// @return kInvalidArgument with file, line (text) or byte offset (binary) and reason;
 ///         kResourceExhausted if a limit is exceeded.
 [[nodiscard]] absl::StatusOr<TriangleMesh> ReadMesh(std::string_view bytes,
+                                                    std::string_view file_name,
+                                                    const ReadLimits& limits = {});
+
+/// The same as float32, with the vertex normals of an OBJ file: vn i belongs to v i, as the
+/// predecessor takes it. Fewer normals than vertices, or another format: none.
+/// @return as ReadMesh; kInvalidArgument also for a vn line that is no three finite numbers.
+[[nodiscard]] absl::StatusOr<FileMesh> ReadFileMesh(std::string_view bytes,
                                                     std::string_view file_name,
                                                     const ReadLimits& limits = {});
 

@@ -49,7 +49,10 @@ void WarnOfExtent(const TriangleMesh& mesh,
 
 }  // namespace
 
-std::vector<std::string> MeshWarnings(const TriangleMesh& mesh, const MeshHealth& health) {
+std::vector<std::string> MeshWarnings(const TriangleMesh& mesh,
+                                      const MeshHealth& health,
+                                      Mending mending) {
+  const bool removed = mending == Mending::kRemoved;
   std::vector<std::string> warnings;
   const auto warn_if = [&warnings](int64_t count, const char* what) {
     if (count > 0) {
@@ -67,9 +70,13 @@ std::vector<std::string> MeshWarnings(const TriangleMesh& mesh, const MeshHealth
     warnings.push_back(absl::StrCat(Percent(health.boundary_share),
                                     " of the edges are boundary: many holes or loose pieces"));
   }
-  warn_if(health.unreferenced_vertices, " vertices in no face removed");
-  warn_if(health.degenerate_faces, " degenerate faces (a vertex twice: removed; no area: kept)");
-  warn_if(health.duplicate_faces, " duplicate faces removed");
+  warn_if(health.unreferenced_vertices,
+          removed ? " vertices in no face removed" : " vertices in no face");
+  warn_if(health.degenerate_faces,
+          removed ? " degenerate faces (a vertex twice: removed; no area: kept)"
+                  : " degenerate faces (a vertex twice, or no area)");
+  warn_if(health.duplicate_faces,
+          removed ? " duplicate faces removed" : " faces that are there twice");
   warn_if(health.non_manifold_edges, " edges are not manifold");
   warn_if(health.duplicate_vertices, " vertices lie exactly on earlier ones");
   WarnOfExtent(mesh, health, warnings);

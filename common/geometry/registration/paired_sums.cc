@@ -43,6 +43,9 @@ absl::StatusOr<Similarity> PairedSums::Fit(const ScaleRule& rule) const {
   if (count_ == 0) {
     return absl::FailedPreconditionError("similarity fit: no pairs");
   }
+  if (rule.mode == ScaleMode::kFromX) {
+    return absl::InvalidArgumentError("similarity fit: the scale \"from-x\" is not one of ours");
+  }
   const Eigen::Vector3d mean_a = sum_a_ / static_cast<double>(count_);
   const Eigen::Vector3d mean_b = sum_b_ / static_cast<double>(count_);
   const Eigen::Matrix3d S = sum_ab_ - sum_a_ * mean_b.transpose();

@@ -29,6 +29,8 @@ enum class ScaleMode {
   /// nearest-vertex pairs, which err on both sides, the least-squares scale shrinks the source from
   /// pass to pass (regression dilution); this one does not favour either mesh.
   kSymmetric,
+  /// From the x coordinates alone: the predecessor's (FidentisScale::kFromX). No fit of ours.
+  kFromX,
 };
 
 /// Least-squares similarity between paired points: minimises sum_i |s R a_i + t - b_i|^2.
@@ -36,7 +38,8 @@ enum class ScaleMode {
 /// Centred sums; R from the unit quaternion of the largest eigenvalue of Horn's 4 x 4 matrix;
 /// s = sum b'.(R a') / sum |a'|^2 (1 if scale is off); t = mean(b) - s R mean(a).
 /// @param source, target  3 x n, column i of one is the partner of column i of the other.
-/// @return kInvalidArgument if the widths differ or n < 3; kFailedPrecondition if the source points
+/// @return kInvalidArgument if the widths differ, n < 3, or for kFromX; kFailedPrecondition if the
+/// source points
 ///         coincide or the scale is not positive.
 /// Source: Horn 1987, sections 2.D-4; thesis eq. 3.4-3.9.
 [[nodiscard]] absl::StatusOr<Similarity> FitSimilarity(

@@ -115,6 +115,7 @@ TEST(JobSpec, DefaultsAndPresetsAreValid) {
     EXPECT_THAT(PresetSpec("default", method)->Validate(), IsOk());
     EXPECT_THAT(PresetSpec("thesis", method)->Validate(), IsOk());
     EXPECT_EQ(PresetSpec("thesis", method)->method, method);
+    EXPECT_EQ(PresetSpec("fidentis", method)->method, method);
   }
 }
 
@@ -181,7 +182,8 @@ TEST(PresetSpec, ThesisHasTheTextsNumbers) {
 }
 
 TEST(PresetSpec, ListsThePresetsWhenThereIsNoSuch) {
-  EXPECT_THAT(PresetSpec("fast", Method::kOne), StatusIs(kInvalid, "expected default or thesis"));
+  EXPECT_THAT(PresetSpec("fast", Method::kOne),
+              StatusIs(kInvalid, "expected default, thesis or fidentis"));
 }
 
 TEST(JobSpecNames, AreTheInverseOfEachOther) {

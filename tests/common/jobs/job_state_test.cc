@@ -17,6 +17,7 @@ JobOutputs SomeOutputs() {
   outputs.tiles = {Sha256::Of("t1"), Sha256::Of("t0")};
   outputs.alignments = {Sha256::Of("a")};
   outputs.mean_shape = Sha256::Of("m");
+  outputs.variation_shape = Sha256::Of("v");
   return outputs;
 }
 
@@ -26,7 +27,16 @@ TEST(JobOutputsJson, RoundTrips) {
   EXPECT_EQ(outputs->tiles, SomeOutputs().tiles);
   EXPECT_EQ(outputs->alignments, SomeOutputs().alignments);
   EXPECT_EQ(outputs->mean_shape, SomeOutputs().mean_shape);
+  EXPECT_EQ(outputs->variation_shape, SomeOutputs().variation_shape);
   EXPECT_TRUE(outputs->summary.empty());
+}
+
+TEST(JobOutputsJson, OfAnOlderCatalogHasTheMeanShapeOnly) {
+  json older = ToJson(SomeOutputs());
+  older.erase("variation_shape");
+  const auto outputs = JobOutputsFromJson(older);
+  ASSERT_THAT(outputs, IsOk());
+  EXPECT_TRUE(outputs->variation_shape.empty());
 }
 
 TEST(JobOutputsJson, IsRefusedByField) {

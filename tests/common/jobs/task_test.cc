@@ -29,6 +29,7 @@ TaskResult SomeResult() {
   TaskResult result;
   result.output = Sha256::Of("one");
   result.second_output = Sha256::Of("two");
+  result.placed = Sha256::Of("three");
   IngestedMesh& mesh = result.ingested.emplace_back();
   mesh.index = 4;
   mesh.blob = Sha256::Of("mesh");
@@ -62,6 +63,7 @@ TEST(TaskResultJson, RoundTripsThroughTextWithoutLosingABit) {
   ASSERT_THAT(result, IsOk());
   EXPECT_EQ(result->output, expected.output);
   EXPECT_EQ(result->second_output, expected.second_output);
+  EXPECT_EQ(result->placed, expected.placed);
   EXPECT_EQ(result->rejections, expected.rejections);
   EXPECT_EQ(result->counters, expected.counters);
   EXPECT_EQ(result->seconds, std::nextafter(1.5, 2.0));
@@ -76,6 +78,14 @@ TEST(TaskResultJson, RoundTripsThroughTextWithoutLosingABit) {
   EXPECT_EQ(result->ingested[0].health.largest_component_share, 1.0 / 3);
   EXPECT_EQ(result->ingested[0].health.warnings, (std::vector<std::string>{"a", "b \n c"}));
   EXPECT_TRUE(result->ingested[0].health.point_cloud);
+}
+
+TEST(TaskResultJson, OfAnOlderCatalogHasNoPlacedMeshes) {
+  json older = ToJson(SomeResult());
+  older.erase("placed");
+  const auto result = TaskResultFromJson(older);
+  ASSERT_THAT(result, IsOk());
+  EXPECT_TRUE(result->placed.empty());
 }
 
 TEST(TaskResultJson, KeepsAnEmptyResult) {
@@ -111,6 +121,7 @@ INSTANTIATE_TEST_SUITE_P(
         Damage{"/output", "", "task result.output: missing"},
         Damage{"/output", "\"abc\"", "task result.output: expected a digest, not \"abc\""},
         Damage{"/output", "7", "task result.output: expected a digest, not 7"},
+        Damage{"/placed", "7", "task result.placed: expected a digest, not 7"},
         Damage{"/seconds", "\"1\"", "task result.seconds: expected a number"},
         Damage{"/seconds", "null", "task result.seconds: expected a number, not null"},
         Damage{"/counters", "[]", "task result.counters: expected an object"},

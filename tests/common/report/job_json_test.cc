@@ -136,6 +136,13 @@ TEST(JobJson, HasAnErrorOnlyIfThereIsOne) {
   EXPECT_EQ(Json::parse(JobJson(input))["error"], "all meshes were rejected");
 }
 
+TEST(JobJson, HasNotesOnlyIfThereAreSome) {
+  JobJsonInput input = Example();
+  EXPECT_THAT(JobJson(input), Not(HasSubstr("\"notes\"")));
+  input.notes = {"one", "two"};
+  EXPECT_EQ(Json::parse(JobJson(input))["notes"], Json({"one", "two"}));
+}
+
 TEST(Iso8601Utc, KnowsLeapDaysAndTheEpoch) {
   EXPECT_EQ(Iso8601Utc(0), "1970-01-01T00:00:00.000Z");
   EXPECT_EQ(Iso8601Utc(1709208000001), "2024-02-29T12:00:00.001Z");

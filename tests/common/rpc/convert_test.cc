@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "common/jobs/fidentis_spec.h"
 #include "tests/testing/status_matchers.h"
 
 namespace cohort {
@@ -63,6 +64,15 @@ TEST(Convert, AJobSpecSurvivesTheWay) {
   EXPECT_EQ(ToJson(*back), ToJson(UnusualSpec()));
 }
 
+TEST(Convert, AJobSpecOfThePredecessorSurvivesTheWay) {
+  JobSpec spec = FidentisSpec(Method::kOne);
+  spec.compare.sign = DistanceSign::kSigned;
+  const auto back = FromProto(ToProto(spec));
+  ASSERT_THAT(back, IsOk());
+  EXPECT_EQ(ToJson(*back), ToJson(spec));
+  EXPECT_EQ(back->arithmetic, Arithmetic::kFidentis);
+}
+
 TEST(Convert, ATaskSurvivesTheWay) {
   Task task;
   task.kind = TaskKind::kCompare;
@@ -78,6 +88,8 @@ TEST(Convert, ATaskSurvivesTheWay) {
   task.undersampling = UnusualSpec().undersampling;
   task.compare = UnusualSpec().compare;
   task.position_bits = 12;
+  task.arithmetic = Arithmetic::kFidentis;
+  task.wants_placed = true;
   task.wants_displacement = true;
   task.counts_reference_index = true;
   task.moves_reference = true;
@@ -91,6 +103,8 @@ TEST(Convert, ATaskSurvivesTheWay) {
   EXPECT_EQ(back->icp.tolerance, task.icp.tolerance);
   EXPECT_EQ(back->undersampling.radius, task.undersampling.radius);
   EXPECT_EQ(back->compare, task.compare);
+  EXPECT_EQ(back->arithmetic, Arithmetic::kFidentis);
+  EXPECT_TRUE(back->wants_placed);
 }
 
 TEST(Convert, ATaskResultSurvivesTheWay) {
@@ -101,6 +115,7 @@ TEST(Convert, ATaskResultSurvivesTheWay) {
   result.counters.align = {.index_builds = 1, .lookups = 2};
   result.counters.pairs = 9;
   result.seconds = 0.5;
+  result.placed = Sha256::Of("placed");
   result.fields = Sha256::Of("fields");
   result.change = 0.25;
   result.base = 3;

@@ -172,6 +172,7 @@ TEST_F(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
                               .alignments = {Sha256::Of("3")},
                               .mean_shape = Sha256::Of("4"),
                               .summary = Digest(),
+                              .variation_shape = Sha256::Of("7"),
                               .fields = {Sha256::Of("5")},
                               .base_choice = Sha256::Of("6"),
                               .preview = {Sha256::Of("7")}};
@@ -188,6 +189,7 @@ TEST_F(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
   EXPECT_EQ(found.alignments, outputs.alignments);
   EXPECT_EQ(found.mean_shape, outputs.mean_shape);
   EXPECT_EQ(found.summary, outputs.summary);
+  EXPECT_EQ(found.variation_shape, outputs.variation_shape);
   EXPECT_EQ(found.fields, outputs.fields);
   EXPECT_EQ(found.base_choice, outputs.base_choice);
   const std::vector<JobMesh> fates = catalog_->GetJobMeshes(job.id).value();

@@ -86,6 +86,9 @@ class FakeJob {
         task.kind == TaskKind::kSummarize) {
       result.second_output = Name(name + "+");
     }
+    if (task.wants_placed) {
+      result.placed = Name(name + "@");
+    }
     result.counters.pairs = 1;
     return result;
   }
@@ -169,6 +172,8 @@ class FakeJob {
       absl::StrAppend(&line, " | of ", NamesOf(task.partials));
     }
     std::vector<std::string> flags;
+    if (task.arithmetic == Arithmetic::kFidentis) flags.emplace_back("fidentis");
+    if (task.wants_placed) flags.emplace_back("placed");
     if (task.wants_displacement) flags.emplace_back("displacement");
     if (task.counts_reference_index) flags.emplace_back("counts index");
     if (task.moves_reference) flags.emplace_back("moves reference");

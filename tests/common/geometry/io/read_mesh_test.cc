@@ -125,5 +125,69 @@ TEST(ReadMesh, SurvivesDamagedStl) {
   DamageAndRead(WriteStl(Tetrahedron()), "a.stl");
 }
 
+// ---- As in the file ----
+
+constexpr char kOddObj[] =
+    "v 0 0 0\nv 1 0 0\nv 0 1.25 0\nv 9 9 9\nv 0 0 0\n"
+    "vn 0 0 2\nvn 0 0 1\nvn 0 1 0\nvn 1 0 0\nvn 0.5 \\\n 0 0\nvn 7 7 7\n"
+    "f 1//6 2//6 3//6\nf 2 2 3\nf 1 2 3\n";
+
+TEST(ReadFileMesh, KeepsOrderUnusedVerticesAndOddFaces) {
+  const absl::StatusOr<FileMesh> file = ReadFileMesh(kOddObj, "odd.obj");
+  ASSERT_THAT(file, IsOk());
+  Eigen::Matrix3Xf vertices(3, 5);
+  vertices << 0, 1, 0, 9, 0,  //
+      0, 0, 1.25F, 9, 0,      //
+      0, 0, 0, 9, 0;
+  Matrix3Xi faces(3, 3);
+  faces << 0, 1, 0,  //
+      1, 1, 1,       //
+      2, 2, 2;
+  EXPECT_EQ(file->vertices, vertices);
+  EXPECT_EQ(file->faces, faces);
+}
+
+TEST(ReadFileMesh, GivesNormalIToVertexIWhateverTheFacesSay) {
+  const absl::StatusOr<FileMesh> file = ReadFileMesh(kOddObj, "odd.obj");
+  ASSERT_THAT(file, IsOk());
+  Eigen::Matrix3Xf normals(3, 5);
+  normals << 0, 0, 0, 1, 0.5F,  //
+      0, 0, 1, 0, 0,            //
+      2, 1, 0, 0, 0;
+  EXPECT_EQ(file->normals, normals);
+}
+
+TEST(ReadFileMesh, HasNoNormalsWhereTheFileHasTooFew) {
+  const absl::StatusOr<FileMesh> file =
+      ReadFileMesh("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 1\nf 1 2 3\n", "a.obj");
+  ASSERT_THAT(file, IsOk());
+  EXPECT_FALSE(file->HasNormals());
+}
+
+TEST(ReadFileMesh, ReadsTheOtherFormatsToo) {
+  for (const std::string& bytes : {WritePly(Tetrahedron()), WriteObj(Tetrahedron())}) {
+    const absl::StatusOr<FileMesh> file = ReadFileMesh(bytes, "tetrahedron");
+    ASSERT_THAT(file, IsOk());
+    EXPECT_EQ(file->vertices, Tetrahedron().vertices.cast<float>());
+    EXPECT_EQ(file->faces, Tetrahedron().faces);
+    EXPECT_FALSE(file->HasNormals());
+  }
+}
+
+TEST(ReadFileMesh, RefusesNormalsThatAreNoNumbersWhichReadMeshPassesOver) {
+  const std::string bytes = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 nan 1\nf 1 2 3\n";
+  EXPECT_THAT(ReadMesh(bytes, "a.obj"), IsOk());
+  EXPECT_THAT(ReadFileMesh(bytes, "a.obj"),
+              StatusIs(kRefused, "a.obj: line 4: normal 1: 'nan' is not a finite number"));
+  EXPECT_THAT(ReadFileMesh("v 0 0 0\nvn 0 1\n", "a.obj"), StatusIs(kRefused, "line 2: normal 1"));
+}
+
+TEST(ReadFileMesh, KeepsTheLimits) {
+  ReadLimits limits;
+  limits.max_bytes = 10;
+  EXPECT_THAT(ReadFileMesh(kOddObj, "odd.obj", limits),
+              StatusIs(absl::StatusCode::kResourceExhausted, "the limit is 10"));
+}
+
 }  // namespace
 }  // namespace cohort

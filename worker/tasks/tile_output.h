@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "common/base/status_macros.h"
+#include "common/jobs/blobs.h"
+#include "common/jobs/field_blob.h"
+#include "common/jobs/task.h"
+#include "common/store/blob_store.h"
+#include "worker/tasks/pair_meter.h"
+
+namespace cohort {
+
+/// Metrics and fields of one block of pairs, filled pair by pair.
+struct MeasuredBlock {
+  MetricBlock metrics;
+  FieldBlock fields;
+
+  MeasuredBlock(const std::vector<int32_t>& sources, const std::vector<int32_t>& targets)
+      : metrics{.sources = sources, .targets = targets, .values = {}},
+        fields{.sources = sources, .targets = targets, .fields = {}} {
+    metrics.values.resize(sources.size() * targets.size());
+    fields.fields.resize(metrics.values.size());
+  }
+  void Set(size_t place, MeasuredPair pair) {
+    metrics.values[place] = pair.metrics;
+    fields.fields[place] = std::move(pair.field);
+  }
+};
+
+/// What a tile writes.
+class TileOutput {
+ public:
+  explicit TileOutput(Retention retention) { fields_.retention = retention; }
+
+  void Add(MeasuredBlock block) {
+    metrics_.push_back(std::move(block.metrics));
+    if (fields_.retention != Retention::kMetrics) {
+      fields_.blocks.push_back(std::move(block.fields));
+    }
+  }
+  absl::Status Write(BlobStore& store, TaskResult& result) const {
+    COHORT_ASSIGN_OR_RETURN(result.output, store.Put(EncodeTileBlob(metrics_)));
+    if (!fields_.blocks.empty()) {
+      COHORT_ASSIGN_OR_RETURN(result.fields, store.Put(EncodeFieldBlob(fields_)));
+    }
+    return absl::OkStatus();
+  }
+
+ private:
+  std::vector<MetricBlock> metrics_;
+  FieldBlob fields_;
+};
+
+}  // namespace cohort
