@@ -16,6 +16,7 @@ constexpr char kFooter[] =
     "Examples:\n"
     "  cohort demo --out demo                           make a synthetic cohort\n"
     "  cohort run demo --out results --labels demo/labels.csv\n"
+    "  cohort gpa landmarks.csv --out gpa               compare landmarks alone\n"
     "  cohort serve --data /var/lib/cohort --listen 0.0.0.0:7450\n"
     "  cohort work --server coordinator:7450\n"
     "  cohort add scans/*.ply --set brno-2016 --server coordinator:7450\n"
@@ -34,6 +35,7 @@ int Dispatch(int argc, char** argv) {
   Action action;
   AddRunCommand(app, action);
   AddDemoCommand(app, action);
+  AddGpaCommand(app, action);
   AddServeCommand(app, action);
   AddWorkCommand(app, action);
   AddAddCommand(app, action);

@@ -107,6 +107,11 @@ void JobFlags::AddTo(CLI::App& command) {
   add("--size-ratio-limit", size_ratio_limit,
       "refuse meshes this many times larger or smaller than the median, as in another unit; 0: "
       "accept all [5]");
+  command
+      .add_flag("--symmetric-copies", symmetric_copies,
+                "replace each mesh, in this job only, by its symmetric copy (the mean of the mesh "
+                "and its mirror image); meshes.csv says how asymmetric each was")
+      ->group(group);
   AddAlignmentOptionsTo(command);
   AddComparisonOptionsTo(command);
 }
@@ -116,7 +121,17 @@ void JobFlags::AddAlignmentOptionsTo(CLI::App& command) {
   const auto add = [&](const char* name, auto& target, const char* help) {
     command.add_option(name, target, help)->group(group);
   };
-  add("--pose", pose, "coarse pose before ICP: principal-axes or none [principal-axes]");
+  add("--pose", pose,
+      "coarse pose before ICP: principal-axes, landmarks or none [principal-axes; with --landmarks "
+      "landmarks]");
+  command
+      .add_option(
+          "--landmarks", landmarks,
+          "landmarks for the pose, in the coordinates of the mesh files: a csv table (file, "
+          "landmark, x, y, z), a .pp, .fcsv or .mrk.json per mesh (of the same name), or "
+          "a folder of them; may be given several times")
+      ->group(group)
+      ->allow_extra_args(false);
   add("--scale", scale,
       "uniform scale: on (symmetric), least-squares (as the thesis; shrinks unlike shapes) or off "
       "[on]");
@@ -164,9 +179,27 @@ void JobFlags::AddComparisonOptionsTo(CLI::App& command) {
       ->group(group);
 }
 
+absl::Status JobFlags::SetPose(JobSpec& spec) const {
+  if (!landmarks.empty()) {
+    spec.pose = PoseMode::kLandmarks;
+  }
+  COHORT_RETURN_IF_ERROR(SetFromName(pose, "--pose", "principal-axes, landmarks or none",
+                                     PoseModeFromName, spec.pose));
+  if (spec.pose == PoseMode::kLandmarks && landmarks.empty()) {
+    return absl::InvalidArgumentError("--pose landmarks: --landmarks FILE_OR_FOLDER is needed too");
+  }
+  if (spec.pose != PoseMode::kLandmarks && !landmarks.empty()) {
+    return absl::InvalidArgumentError("--pose " + *pose +
+                                      ": with --landmarks the pose is landmarks");
+  }
+  if (spec.pose == PoseMode::kLandmarks && spec.method == Method::kNone) {
+    return absl::InvalidArgumentError("--landmarks: --method none moves no mesh");
+  }
+  return absl::OkStatus();
+}
+
 absl::Status JobFlags::SetAlignment(JobSpec& spec) const {
-  COHORT_RETURN_IF_ERROR(
-      SetFromName(pose, "--pose", "principal-axes or none", PoseModeFromName, spec.pose));
+  COHORT_RETURN_IF_ERROR(SetPose(spec));
   COHORT_RETURN_IF_ERROR(SetFromName(
       scale, "--scale", "on, symmetric, least-squares or off",
       [&](std::string_view name) { return ScaleModeFromFlag(name, spec.icp.scale_mode); },
@@ -233,7 +266,12 @@ absl::StatusOr<JobSpec> JobFlags::ToSpec() const {
   SetIfGiven(neighbours, spec.neighbours);
   SetIfGiven(position_bits, spec.position_bits);
   SetIfGiven(size_ratio_limit, spec.size_ratio_limit);
-  COHORT_RETURN_IF_ERROR(spec.Validate());
+  spec.symmetric_copies = symmetric_copies;
+  JobSpec complete = spec;
+  if (UsesLandmarks()) {
+    complete.landmarks = Sha256::Of("");  // Stands for those that are read once all else is right.
+  }
+  COHORT_RETURN_IF_ERROR(complete.Validate());
   return spec;
 }
 

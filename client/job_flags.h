@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/jobs/job_spec.h"
 
@@ -17,6 +18,8 @@ struct JobFlags {
   std::optional<std::string> base;
   std::optional<int> rounds;
   std::optional<std::string> pose;
+  std::vector<std::string> landmarks;  ///< Files and folders.
+  bool symmetric_copies = false;
   std::optional<double> mean_tolerance;
   std::optional<std::string> scale;
   std::optional<double> scale_limit;
@@ -41,12 +44,15 @@ struct JobFlags {
   std::optional<double> size_ratio_limit;
 
   void AddTo(CLI::App& command);
+  /// All but JobSpec::landmarks, which needs the meshes: MakeLandmarkBlob, if UsesLandmarks.
   /// @return kInvalidArgument naming the option and what was expected.
   [[nodiscard]] absl::StatusOr<JobSpec> ToSpec() const;
+  [[nodiscard]] bool UsesLandmarks() const { return !landmarks.empty(); }
 
  private:
   void AddAlignmentOptionsTo(CLI::App& command);
   void AddComparisonOptionsTo(CLI::App& command);
+  absl::Status SetPose(JobSpec& spec) const;
   absl::Status SetAlignment(JobSpec& spec) const;
   absl::Status SetComparison(JobSpec& spec) const;
 };

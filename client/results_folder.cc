@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "client/files.h"
+#include "client/folder_writer.h"
 #include "client/preview.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
@@ -28,6 +29,7 @@ struct Fetched {
   Job job;
   std::vector<JobMesh> meshes;
   std::vector<MeshAlignment> alignments;
+  std::vector<MeshAlignment> poses;
   MetricMatrix matrix;               ///< Of the meshes that were not rejected, symmetrised.
   std::vector<std::string> persons;  ///< One per row of the matrix.
   TriangleMesh mean_shape;
@@ -55,9 +57,9 @@ absl::StatusOr<TriangleMesh> FetchMesh(Session& session, const Digest& blob) {
 }
 
 absl::StatusOr<std::vector<MeshAlignment>> FetchAlignments(Session& session,
-                                                           const JobOutputs& outputs) {
+                                                           const std::vector<Digest>& blobs) {
   std::vector<MeshAlignment> alignments;
-  for (const Digest& blob : outputs.alignments) {
+  for (const Digest& blob : blobs) {
     COHORT_ASSIGN_OR_RETURN(const std::string bytes, session.Blobs().Get(blob));
     COHORT_ASSIGN_OR_RETURN(const std::vector<MeshAlignment> some, DecodeAlignmentBlob(bytes));
     alignments.insert(alignments.end(), some.begin(), some.end());
@@ -84,7 +86,8 @@ absl::StatusOr<Fetched> Fetch(Session& session, const JobId& id, std::optional<M
         fetched.job.spec.symmetrization == Symmetrization::kMax ? PairRule::kMax : PairRule::kMean);
   }
   fetched.persons = PersonsOf(fetched.matrix.labels, fetched.meshes);
-  COHORT_ASSIGN_OR_RETURN(fetched.alignments, FetchAlignments(session, outputs));
+  COHORT_ASSIGN_OR_RETURN(fetched.alignments, FetchAlignments(session, outputs.alignments));
+  COHORT_ASSIGN_OR_RETURN(fetched.poses, FetchAlignments(session, outputs.poses));
   COHORT_ASSIGN_OR_RETURN(fetched.mean_shape, FetchMesh(session, outputs.mean_shape));
   fetched.variation_shape = fetched.mean_shape;
   if (!outputs.variation_shape.empty()) {
@@ -98,30 +101,6 @@ absl::StatusOr<Fetched> Fetch(Session& session, const JobId& id, std::optional<M
   }
   return fetched;
 }
-
-/// Writes one file after the other and remembers what each is.
-class FolderWriter {
- public:
-  explicit FolderWriter(std::filesystem::path folder) : folder_(std::move(folder)) {}
-
-  absl::Status Write(const ResultFile& file, const absl::StatusOr<std::string>& bytes) {
-    COHORT_RETURN_IF_ERROR(bytes.status());
-    files_.push_back(file);
-    return WriteWholeFile(folder_ / file.name, *bytes);
-  }
-  /// A file that was written by others.
-  void Note(const ResultFile& file) { files_.push_back(file); }
-  /// Takes away what another job may have left under this name, so that it is not taken for ours.
-  void LeaveOut(const std::string& name) const {
-    std::error_code absent;
-    std::filesystem::remove(folder_ / name, absent);
-  }
-  [[nodiscard]] const std::vector<ResultFile>& Files() const { return files_; }
-
- private:
-  std::filesystem::path folder_;
-  std::vector<ResultFile> files_;
-};
 
 std::string HostName() {
   std::array<char, 256> host{};
@@ -181,7 +160,7 @@ absl::Status WriteTables(FolderWriter& out,
   }
   COHORT_RETURN_IF_ERROR(
       out.Write({"meshes.csv", "each file: health, labels, and how well it was aligned", "mm"},
-                MeshesCsv(fetched.meshes, fetched.alignments)));
+                MeshesCsv(fetched.meshes, fetched.alignments, fetched.poses)));
   COHORT_RETURN_IF_ERROR(
       out.Write({"transforms.csv", "similarity of each mesh to the reference", "mm"},
                 TransformsCsv(fetched.meshes, fetched.alignments)));

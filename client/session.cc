@@ -252,6 +252,10 @@ absl::StatusOr<JobOutputs> Session::GetOutputs(const JobId& id) {
     COHORT_ASSIGN_OR_RETURN(Digest digest, Digest::FromHex(hex));
     outputs.alignments.push_back(std::move(digest));
   }
+  for (const std::string& hex : response.pose_sha256()) {
+    COHORT_ASSIGN_OR_RETURN(Digest digest, Digest::FromHex(hex));
+    outputs.poses.push_back(std::move(digest));
+  }
   COHORT_ASSIGN_OR_RETURN(outputs.mean_shape, Digest::FromHex(response.mean_shape_sha256()));
   COHORT_ASSIGN_OR_RETURN(outputs.summary, Digest::FromHex(response.summary_sha256()));
   if (!response.base_choice_sha256().empty()) {
@@ -293,6 +297,11 @@ absl::Status FillBlock(const JobId& id,
 }
 
 }  // namespace
+
+absl::Status Session::SendBlob(const std::string& bytes) {
+  COHORT_ASSIGN_OR_RETURN(const bool exists, blobs_.Contains(Sha256::Of(bytes)));
+  return exists ? absl::OkStatus() : blobs_.Put(bytes).status();
+}
 
 absl::StatusOr<RowMajorMatrix> Session::GetMatrix(const JobId& id, Metric metric, int64_t count) {
   v1::GetMatrixRequest request;

@@ -56,6 +56,8 @@ class Session {
                                                          int64_t count);
   /// The preview, undirected; kFailedPrecondition if there is none (yet).
   [[nodiscard]] absl::StatusOr<RowMajorMatrix> GetPreview(const JobId& id, int64_t count);
+  /// Writes the blob unless the server has it.
+  [[nodiscard]] absl::Status SendBlob(const std::string& bytes);
   [[nodiscard]] BlobStore& Blobs() { return blobs_; }
   [[nodiscard]] const std::string& Address() const { return address_; }
 

@@ -35,6 +35,7 @@ void AddWatchCommand(CLI::App& app, Action& action);
 void AddJobsCommand(CLI::App& app, Action& action);
 void AddCancelCommand(CLI::App& app, Action& action);
 void AddResultsCommand(CLI::App& app, Action& action);
+void AddGpaCommand(CLI::App& app, Action& action);
 void AddDemoCommand(CLI::App& app, Action& action);
 
 /// Follows a job until it has ended, showing its progress on stderr.

@@ -9,6 +9,7 @@
 
 #include "client/commands/command.h"
 #include "client/job_flags.h"
+#include "client/landmark_files.h"
 #include "client/output/exit_codes.h"
 #include "client/output/job_text.h"
 #include "client/preview.h"
@@ -44,9 +45,24 @@ std::string RandomId() {
   return id;
 }
 
+absl::Status SendLandmarks(const JobCommandFlags& flags, Session& session, JobSpec& spec) {
+  COHORT_ASSIGN_OR_RETURN(const std::vector<SetMesh> meshes, session.ListMeshes(flags.set));
+  std::vector<std::string> names;
+  names.reserve(meshes.size());
+  for (const SetMesh& mesh : meshes) {
+    names.push_back(mesh.name);
+  }
+  COHORT_ASSIGN_OR_RETURN(const std::string blob,
+                          MakeLandmarkBlob(flags.spec.landmarks, names, spec));
+  return session.SendBlob(blob);
+}
+
 absl::StatusOr<int> Submit(const JobCommandFlags& flags) {
-  COHORT_ASSIGN_OR_RETURN(const JobSpec spec, flags.spec.ToSpec());
+  COHORT_ASSIGN_OR_RETURN(JobSpec spec, flags.spec.ToSpec());
   COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, flags.server.Connect());
+  if (flags.spec.UsesLandmarks()) {
+    COHORT_RETURN_IF_ERROR(SendLandmarks(flags, *session, spec));
+  }
   // With an id of its own, a request that has to be repeated cannot start a second job.
   const std::string request_id = flags.request_id.empty() ? RandomId() : flags.request_id;
   COHORT_ASSIGN_OR_RETURN(Job job, session->CreateJob(flags.set, spec, request_id));

@@ -13,6 +13,7 @@
 #include "client/files.h"
 #include "client/job_flags.h"
 #include "client/labels_csv.h"
+#include "client/landmark_files.h"
 #include "client/local_cluster.h"
 #include "client/output/exit_codes.h"
 #include "client/output/job_text.h"
@@ -40,6 +41,13 @@ struct RunFlags {
   JobFlags spec;
 };
 
+/// What a run is about, read and checked.
+struct RunInput {
+  JobSpec spec;
+  std::vector<MeshFile> files;
+  std::string landmarks;  ///< Landmark blob; empty: none.
+};
+
 /// What would give the same results: parameters, files and labels.
 Digest RequestDigest(const JobSpec& spec, const std::vector<MeshFile>& files) {
   Sha256 hash;
@@ -62,17 +70,19 @@ void EndOnSignal(LocalCluster& cluster, const std::atomic<bool>& done) {
 }
 
 absl::StatusOr<ResultsDigest> Compute(const RunFlags& flags,
-                                      const JobSpec& spec,
-                                      const std::vector<MeshFile>& files,
+                                      const RunInput& input,
                                       const LocalCluster& cluster) {
   COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, Session::Open(cluster.Address()));
   COHORT_RETURN_IF_ERROR(session->WaitUntilReady(kStartSeconds));
-  const std::string request = RequestDigest(spec, files).Hex();
+  const std::string request = RequestDigest(input.spec, input.files).Hex();
   const std::string folder_name =
       std::filesystem::weakly_canonical(flags.folder).filename().string();
   const std::string set = folder_name.substr(0, 100) + "-" + request.substr(0, kHashInName);
-  COHORT_RETURN_IF_ERROR(Upload(*session, set, files).status());
-  COHORT_ASSIGN_OR_RETURN(Job job, session->CreateJob(set, spec, request));
+  COHORT_RETURN_IF_ERROR(Upload(*session, set, input.files).status());
+  if (!input.landmarks.empty()) {
+    COHORT_RETURN_IF_ERROR(session->SendBlob(input.landmarks));
+  }
+  COHORT_ASSIGN_OR_RETURN(Job job, session->CreateJob(set, input.spec, request));
   bool wrote_preview = false;
   const auto write_preview = [&](const Job& now) -> std::string {
     if (wrote_preview || !HasFreshPreview(now)) {
@@ -94,8 +104,7 @@ absl::StatusOr<ResultsDigest> Compute(const RunFlags& flags,
 }
 
 absl::StatusOr<int> RunOnCluster(const RunFlags& flags,
-                                 const JobSpec& spec,
-                                 const std::vector<MeshFile>& files,
+                                 const RunInput& input,
                                  const std::filesystem::path& data) {
   BlockStopSignals();
   COHORT_ASSIGN_OR_RETURN(
@@ -103,7 +112,7 @@ absl::StatusOr<int> RunOnCluster(const RunFlags& flags,
       LocalCluster::Start({.data_dir = data, .workers = flags.workers, .threads = flags.threads}));
   std::atomic<bool> done = false;
   std::thread signals([&] { EndOnSignal(*cluster, done); });
-  const absl::StatusOr<ResultsDigest> results = Compute(flags, spec, files, *cluster);
+  const absl::StatusOr<ResultsDigest> results = Compute(flags, input, *cluster);
   done = true;
   signals.join();
   const absl::Status health = cluster->Health();
@@ -121,12 +130,21 @@ absl::StatusOr<int> RunOnCluster(const RunFlags& flags,
   return ExitCodeOfJob(results->job);
 }
 
-absl::StatusOr<int> Run(const RunFlags& flags) {
-  COHORT_ASSIGN_OR_RETURN(const JobSpec spec, flags.spec.ToSpec());
+absl::StatusOr<RunInput> ReadInput(const RunFlags& flags) {
+  RunInput input;
+  COHORT_ASSIGN_OR_RETURN(input.spec, flags.spec.ToSpec());
   COHORT_ASSIGN_OR_RETURN(const auto paths, ListMeshFiles(flags.folder));
   if (paths.size() < 2) {
     return absl::FailedPreconditionError("folder " + flags.folder +
                                          " has one mesh; at least two are needed to compare");
+  }
+  if (flags.spec.UsesLandmarks()) {
+    std::vector<std::string> names;
+    for (const std::filesystem::path& path : paths) {
+      names.push_back(path.filename().string());
+    }
+    COHORT_ASSIGN_OR_RETURN(input.landmarks,
+                            MakeLandmarkBlob(flags.spec.landmarks, names, input.spec));
   }
   Labels labels;
   if (!flags.labels.empty()) {
@@ -141,12 +159,17 @@ absl::StatusOr<int> Run(const RunFlags& flags) {
                                       " is the folder of the scans: the results would be taken for "
                                       "scans next time");
   }
-  COHORT_ASSIGN_OR_RETURN(const std::vector<MeshFile> files, DescribeFiles(paths, labels));
+  COHORT_ASSIGN_OR_RETURN(input.files, DescribeFiles(paths, labels));
+  return input;
+}
+
+absl::StatusOr<int> Run(const RunFlags& flags) {
+  COHORT_ASSIGN_OR_RETURN(const RunInput input, ReadInput(flags));
   const std::filesystem::path data = flags.data.empty()
                                          ? std::filesystem::path(flags.out) / ".cohort-data"
                                          : std::filesystem::path(flags.data);
   COHORT_RETURN_IF_ERROR(PrepareFolder(data));
-  COHORT_ASSIGN_OR_RETURN(const int exit_code, RunOnCluster(flags, spec, files, data));
+  COHORT_ASSIGN_OR_RETURN(const int exit_code, RunOnCluster(flags, input, data));
   if (flags.data.empty() && !flags.keep_data &&
       (exit_code == kExitOk || exit_code == kExitRejected)) {
     std::error_code ignored;  // Left behind, it only takes space.
@@ -182,7 +205,9 @@ void AddRunCommand(CLI::App& app, Action& action) {
   flags->spec.AddTo(*command);
   command->footer(
       "An interrupted run goes on where it was when the same command is given again.\n"
-      "Example: cohort run scans/ --out results/ --labels people.csv --method average");
+      "Examples:\n"
+      "  cohort run scans/ --out results/ --labels people.csv --method average\n"
+      "  cohort run scans/ --out results/ --landmarks landmarks.csv");
   command->callback([flags, &action] { action = [flags] { return Run(*flags); }; });
 }
 

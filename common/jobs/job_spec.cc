@@ -58,6 +58,14 @@ absl::Status JobSpec::Validate() const {
   if (base_rule == BaseRule::kAuto && !base.empty()) {
     return Refused("base", absl::StrCat("\"", base, "\""), "none with the base rule \"auto\"");
   }
+  if ((pose == PoseMode::kLandmarks) != !landmarks.empty()) {
+    return Refused("landmarks", landmarks.empty() ? "empty" : "a blob",
+                   "a blob with the pose \"landmarks\" and none with another");
+  }
+  if (pose == PoseMode::kLandmarks && method == Method::kNone) {
+    return Refused("pose", "\"landmarks\"",
+                   "another with the method \"none\", which moves no mesh");
+  }
   if (!std::isfinite(mean_tolerance) || mean_tolerance < 0) {
     return Refused("mean_tolerance", mean_tolerance, "at least 0");
   }
@@ -114,6 +122,8 @@ nlohmann::json ToJson(const JobSpec& spec) {
           {"rounds", spec.rounds},
           {"mean_tolerance", spec.mean_tolerance},
           {"pose", PoseModeName(spec.pose)},
+          {"landmarks", spec.landmarks.Hex()},
+          {"symmetric_copies", spec.symmetric_copies},
           {"icp",
            {{"scale", ScaleModeName(spec.icp.scale_mode)},
             {"scale_limit", spec.icp.scale_limit},
@@ -189,6 +199,8 @@ absl::StatusOr<JobSpec> JobSpecFromJson(const nlohmann::json& json) {
   fields.Read("rounds", spec.rounds);
   fields.Read("mean_tolerance", spec.mean_tolerance);
   fields.ReadName("pose", PoseModeFromName, spec.pose);
+  fields.Read("landmarks", spec.landmarks);
+  fields.Read("symmetric_copies", spec.symmetric_copies);
   fields.ReadObject("icp", [&spec](JsonFields& icp) { ReadIcp(icp, spec.icp); });
   fields.ReadObject("undersampling",
                     [&spec](JsonFields& item) { ReadUndersampling(item, spec.undersampling); });

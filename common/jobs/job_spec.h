@@ -8,6 +8,7 @@
 #include <absl/status/statusor.h>
 #include <nlohmann/json_fwd.hpp>
 
+#include "common/base/sha256.h"
 #include "common/geometry/comparison/metrics.h"
 #include "common/geometry/registration/scaling_icp.h"
 #include "common/geometry/registration/undersampling.h"
@@ -23,7 +24,11 @@ enum class Method {
 };
 
 /// How a mesh is brought near the reference before ICP.
-enum class PoseMode { kPrincipalAxes, kNone };
+enum class PoseMode {
+  kPrincipalAxes,
+  kNone,
+  kLandmarks,  ///< Procrustes fit of the mesh's landmarks to those of the base mesh.
+};
 
 /// Which mesh is the first reference.
 enum class BaseRule {
@@ -75,6 +80,9 @@ struct JobSpec {
   /// vertices, mesh units). 0: all rounds run.
   double mean_tolerance = 0;
   PoseMode pose = PoseMode::kPrincipalAxes;
+  Digest landmarks;  ///< Landmark blob with the meshes of the job, for PoseMode::kLandmarks.
+  /// Each mesh is replaced by its symmetric copy (MakeSymmetric), in this job only.
+  bool symmetric_copies = false;
   IcpOptions icp;
   UndersamplingOptions undersampling;  ///< Of the moving meshes, in every alignment.
   CompareOptions compare;
@@ -101,7 +109,8 @@ struct JobSpec {
 
 [[nodiscard]] std::string_view MethodName(Method method);  ///< "average", "one", "each", "none".
 [[nodiscard]] std::optional<Method> MethodFromName(std::string_view name);
-[[nodiscard]] std::string_view PoseModeName(PoseMode pose);  ///< "principal-axes", "none".
+[[nodiscard]] std::string_view PoseModeName(
+    PoseMode pose);  ///< "principal-axes", "none", "landmarks".
 [[nodiscard]] std::optional<PoseMode> PoseModeFromName(std::string_view name);
 [[nodiscard]] std::string_view SymmetrizationName(
     Symmetrization value);  ///< "mean", "max", "directed".

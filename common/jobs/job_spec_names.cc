@@ -14,8 +14,9 @@ constexpr Names<Method, 4> kMethods = {{{Method::kAverage, "average"},
                                         {Method::kOne, "one"},
                                         {Method::kEach, "each"},
                                         {Method::kNone, "none"}}};
-constexpr Names<PoseMode, 2> kPoseModes = {
-    {{PoseMode::kPrincipalAxes, "principal-axes"}, {PoseMode::kNone, "none"}}};
+constexpr Names<PoseMode, 3> kPoseModes = {{{PoseMode::kPrincipalAxes, "principal-axes"},
+                                            {PoseMode::kNone, "none"},
+                                            {PoseMode::kLandmarks, "landmarks"}}};
 constexpr Names<Symmetrization, 3> kSymmetrizations = {{{Symmetrization::kMean, "mean"},
                                                         {Symmetrization::kMax, "max"},
                                                         {Symmetrization::kDirected, "directed"}}};

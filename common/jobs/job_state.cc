@@ -54,7 +54,8 @@ nlohmann::json ToJson(const JobOutputs& outputs) {
       {"tiles", ToJson(outputs.tiles)},         {"alignments", ToJson(outputs.alignments)},
       {"mean_shape", outputs.mean_shape.Hex()}, {"summary", outputs.summary.Hex()},
       {"fields", ToJson(outputs.fields)},       {"base_choice", outputs.base_choice.Hex()},
-      {"preview", ToJson(outputs.preview)},     {"variation_shape", outputs.variation_shape.Hex()}};
+      {"preview", ToJson(outputs.preview)},     {"variation_shape", outputs.variation_shape.Hex()},
+      {"poses", ToJson(outputs.poses)}};
 }
 
 absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
@@ -70,6 +71,7 @@ absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
   if (json.contains("variation_shape")) {  // Not in catalogs older than the arithmetic fidentis.
     fields.Read("variation_shape", outputs.variation_shape);
   }
+  fields.Read("poses", outputs.poses);
   COHORT_RETURN_IF_ERROR(fields.Finish());
   return outputs;
 }

@@ -57,13 +57,15 @@ struct JobOutputs {
   std::vector<Digest> fields;      ///< Field blobs: what is kept of the distances.
   Digest base_choice;              ///< Base blob, if the base was chosen; else empty.
   std::vector<Digest> preview;     ///< Preview blobs, if asked for; there before the others.
+  std::vector<Digest> poses;       ///< Alignment blobs of the coarse poses; empty: none were made.
 };
 
 /// A mesh of a job and what became of it.
 struct JobMesh {
   SetMesh mesh;
   std::optional<IngestedMesh> ingested;
-  std::string rejection;  ///< Why it is not in the results; empty if it is.
+  std::optional<SymmetricCopy> copy;  ///< Only of jobs with symmetric copies.
+  std::string rejection;              ///< Why it is not in the results; empty if it is.
 };
 
 /// A job as everyone sees it.

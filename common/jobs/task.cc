@@ -90,6 +90,8 @@ std::string_view TaskKindName(TaskKind kind) {
       return "preview";
     case TaskKind::kChooseBase:
       return "choose-base";
+    case TaskKind::kSymmetrize:
+      return "symmetrize";
   }
   return "unknown";
 }
@@ -133,6 +135,11 @@ json ToJson(const TaskResult& result) {
   for (const IngestedMesh& mesh : result.ingested) {
     ingested.push_back(ToJson(mesh));
   }
+  json copies = json::array();
+  for (const SymmetricCopy& copy : result.copies) {
+    copies.push_back(
+        {{"index", copy.index}, {"blob", copy.blob.Hex()}, {"asymmetry", copy.asymmetry}});
+  }
   json rejections = json::array();
   for (const MeshRejection& rejection : result.rejections) {
     rejections.push_back(ToJson(rejection));
@@ -140,6 +147,7 @@ json ToJson(const TaskResult& result) {
   return {{"output", result.output.Hex()},
           {"second_output", result.second_output.Hex()},
           {"ingested", std::move(ingested)},
+          {"copies", std::move(copies)},
           {"rejections", std::move(rejections)},
           {"counters", ToJson(result.counters)},
           {"seconds", result.seconds},
@@ -156,6 +164,12 @@ absl::StatusOr<TaskResult> TaskResultFromJson(const json& json) {
   fields.Read("second_output", result.second_output);
   fields.ReadObjects("ingested", [&result](JsonFields& mesh) {
     ReadIngested(mesh, result.ingested.emplace_back());
+  });
+  fields.ReadObjects("copies", [&result](JsonFields& item) {
+    SymmetricCopy& copy = result.copies.emplace_back();
+    item.Read("index", copy.index);
+    item.Read("blob", copy.blob);
+    item.Read("asymmetry", copy.asymmetry);
   });
   fields.ReadObjects("rejections", [&result](JsonFields& item) {
     MeshRejection& rejection = result.rejections.emplace_back();

@@ -28,6 +28,7 @@ enum class TaskKind : uint8_t {
   kSummarize,   ///< variation blobs -> per-vertex metrics, mean shape
   kChooseBase,  ///< all meshes -> the one nearest to all others, a base blob
   kPreview,     ///< correspondences of two blocks of meshes -> a preview blob of their pairs
+  kSymmetrize,  ///< meshes -> their symmetric copies
 };
 [[nodiscard]] std::string_view TaskKindName(TaskKind kind);  ///< "ingest", "pose", "align", ...
 
@@ -35,7 +36,8 @@ enum class TaskKind : uint8_t {
 struct TaskMesh {
   int32_t index = 0;  ///< Place in the job's order (by name), 0-based.
   std::string name;   ///< File name, for messages.
-  Digest blob;        ///< kIngest: the raw file; all others: the canonical mesh.
+  Digest blob;        ///< kIngest: the raw file; all others: the canonical mesh, or its
+                      ///< symmetric copy where the job has them.
   friend bool operator==(const TaskMesh&, const TaskMesh&) = default;
 };
 
@@ -48,21 +50,24 @@ struct Task {
 
   std::vector<TaskMesh> meshes;   ///< Sources. kCompare, kPreview: rows of the tile.
   std::vector<TaskMesh> targets;  ///< kCompare, kPreview: columns (equal to `meshes` on the
-                                  ///< diagonal); kAlignAndCompare: the one target; kSummarize of
-                                  ///< kFidentis: the base mesh.
+                                  ///< diagonal); kAlignAndCompare: the one target; kPose with
+                                  ///< landmarks, kSummarize of kFidentis: the base mesh.
   Digest reference;               ///< Mesh blob; kPose, kAlign, kAverage, kVariation, kSummarize.
   /// Alignment blobs that together hold `meshes` and `targets`; kAlign: the starts;
   /// kAlignAndCompare: poses to the base mesh. Empty: identities.
   std::vector<Digest> alignments;
-  /// kAverage: displacement blobs, kSummarize: variation blobs, kPreview: correspondence blobs. With
-  /// Arithmetic::kFidentis: placed blobs; kAlign: the starts (none: the meshes of the files,
+  /// kAverage: displacement blobs, kSummarize: variation blobs, kPreview: correspondence blobs.
+  /// With Arithmetic::kFidentis: placed blobs; kAlign: the starts (none: the meshes of the files,
   /// centred); kCompare: that together hold `meshes` and `targets`; kAverage, kSummarize: all.
   std::vector<Digest> partials;
 
-  IcpOptions icp;                              ///< kAlign, kAlignAndCompare.
-  UndersamplingOptions undersampling;          ///< kAlign, kAlignAndCompare.
-  CompareOptions compare;                      ///< kCompare, kAlignAndCompare.
-  int position_bits = 18;                      ///< kIngest; 0: as in the file.
+  Digest landmarks;  ///< kPose, kChooseBase: landmark blob; empty: poses by shape.
+
+  IcpOptions icp;                      ///< kAlign, kAlignAndCompare, kChooseBase, kSymmetrize;
+                                       ///< kPose with landmarks: its scale mode and limit.
+  UndersamplingOptions undersampling;  ///< kAlign, kAlignAndCompare.
+  CompareOptions compare;              ///< kCompare, kAlignAndCompare.
+  int position_bits = 18;              ///< kIngest; 0: as in the file.
   Arithmetic arithmetic = Arithmetic::kExact;  ///< All but kIngest.
   bool wants_placed = false;  ///< kFidentis: kAlign, kAlignAndCompare also write a placed blob.
   bool wants_displacement = false;      ///< kAlign: also write the partial displacement sum;
@@ -114,10 +119,18 @@ struct IngestedMesh {
   MeshHealth health;                 ///< Of the file.
 };
 
+/// What a job with symmetric copies works with in place of a mesh.
+struct SymmetricCopy {
+  int32_t index = 0;
+  Digest blob;           ///< Mesh blob; vertices and faces correspond to the canonical mesh's.
+  double asymmetry = 0;  ///< SymmetricMesh::asymmetry, mesh units.
+  friend bool operator==(const SymmetricCopy&, const SymmetricCopy&) = default;
+};
+
 /// What a finished task tells the server.
 struct TaskResult {
-  /// kIngest: empty. kPose, kAlign: alignment blob. kAverage: mesh blob. kCompare: tile blob.
-  /// kAlignAndCompare: tile blob. kVariation: variation blob. kSummarize: summary blob.
+  /// kIngest, kSymmetrize: empty. kPose, kAlign: alignment blob. kAverage: mesh blob. kCompare:
+  /// tile blob. kAlignAndCompare: tile blob. kVariation: variation blob. kSummarize: summary blob.
   Digest output;
   Digest second_output;  ///< kAlign: displacement blob, if wanted. kVariation: correspondence
                          ///< blob, if wanted. kAlignAndCompare: alignment
@@ -127,7 +140,8 @@ struct TaskResult {
   int32_t base = -1;  ///< kChooseBase: index of the mesh.
   double change = 0;  ///< kAverage: RMS over the vertices of how far the reference moved.
   std::vector<IngestedMesh> ingested;     ///< kIngest.
-  std::vector<MeshRejection> rejections;  ///< kIngest, kPose, kAlign.
+  std::vector<SymmetricCopy> copies;      ///< kSymmetrize.
+  std::vector<MeshRejection> rejections;  ///< kIngest, kPose, kAlign, kSymmetrize.
   Counters counters;
   double seconds = 0;  ///< Time the worker took; never part of a result.
 };

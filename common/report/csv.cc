@@ -29,6 +29,8 @@ constexpr std::array<std::string_view, 8> kAlignmentColumns = {
     "iterations", "converged",      "rms_residual", "mean_residual",
     "scale",      "at_scale_limit", "overlap",      "kept_share"};
 
+constexpr std::array<std::string_view, 2> kLastColumns = {"pose_rms", "asymmetry"};
+
 using Fields = std::vector<std::string>;
 
 void AppendField(std::string_view field, std::string& csv) {
@@ -79,7 +81,8 @@ bool IsFixedColumn(std::string_view name) {
   const auto has = [name](const auto& columns) {
     return std::find(columns.begin(), columns.end(), name) != columns.end();
   };
-  return has(kStatusColumns) || has(kFileColumns) || has(kHealthColumns) || has(kAlignmentColumns);
+  return has(kStatusColumns) || has(kFileColumns) || has(kHealthColumns) ||
+         has(kAlignmentColumns) || has(kLastColumns);
 }
 
 std::set<std::string> LabelKeys(std::span<const JobMesh> meshes) {
@@ -160,7 +163,8 @@ std::string MatrixCsv(const MetricMatrix& matrix, Metric metric) {
 std::string MatrixCsv(const MetricMatrix& matrix, std::string_view corner) {
   const auto count = static_cast<Eigen::Index>(matrix.labels.size());
   assert(matrix.values.rows() == count && matrix.values.cols() == count);
-  std::string csv(corner);
+  std::string csv;
+  AppendField(corner, csv);
   for (const std::string& label : matrix.labels) {
     csv += ',';
     AppendField(label, csv);
@@ -203,15 +207,19 @@ std::string NeighboursCsv(const MetricMatrix& matrix,
   return csv;
 }
 
-std::string MeshesCsv(std::span<const JobMesh> meshes, std::span<const MeshAlignment> alignments) {
+std::string MeshesCsv(std::span<const JobMesh> meshes,
+                      std::span<const MeshAlignment> alignments,
+                      std::span<const MeshAlignment> poses) {
   const std::set<std::string> keys = LabelKeys(meshes);
   const std::map<int32_t, const Alignment*> by_mesh = ByMesh(alignments);
+  const std::map<int32_t, const Alignment*> pose_of = ByMesh(poses);
   Fields fields;
   AppendNames(kStatusColumns, fields);
   for (const std::string& key : keys) fields.push_back(IsFixedColumn(key) ? "label_" + key : key);
   AppendNames(kFileColumns, fields);
   AppendNames(kHealthColumns, fields);
   AppendNames(kAlignmentColumns, fields);
+  AppendNames(kLastColumns, fields);
   std::string csv = CsvRow(fields);
   for (size_t i = 0; i < meshes.size(); ++i) {
     const JobMesh& mesh = meshes[i];
@@ -222,6 +230,10 @@ std::string MeshesCsv(std::span<const JobMesh> meshes, std::span<const MeshAlign
     fields.push_back(Text(mesh.mesh.size_bytes));
     AppendIngested(mesh.ingested, fields);
     AppendAlignment(alignment == by_mesh.end() ? nullptr : alignment->second, fields);
+    const auto pose = pose_of.find(static_cast<int32_t>(i));
+    fields.push_back(pose == pose_of.end() ? std::string(kMissing)
+                                           : Text(pose->second->rms_residual));
+    fields.push_back(mesh.copy ? Text(mesh.copy->asymmetry) : std::string(kMissing));
     csv += CsvRow(fields);
   }
   return csv;

@@ -24,7 +24,6 @@ namespace cohort {
 /// The matrix: a header of MetricName(metric) and the N labels, then per mesh its label and N
 /// values. Row = source, column = target. In R: read.csv(file, row.names = 1, check.names = FALSE).
 [[nodiscard]] std::string MatrixCsv(const MetricMatrix& matrix, Metric metric);
-
 /// The same with another word in the corner.
 [[nodiscard]] std::string MatrixCsv(const MetricMatrix& matrix, std::string_view corner);
 
@@ -38,11 +37,15 @@ namespace cohort {
 
 /// One row per mesh of the job, rejected ones too: "file,status,reason", a column per label key
 /// (sorted; "label_" before a key that is the name of another column), the file's sha256 and size,
-/// the canonical mesh, the health of the file (file_vertices ... warnings), the alignment.
+/// the canonical mesh, the health of the file (file_vertices ... warnings), the alignment, and
+/// "pose_rms" (residual of the coarse pose: of the landmarks, or of sampled points), "asymmetry"
+/// (of jobs with symmetric copies).
 /// @param meshes  the job's order.
-/// @param alignments  by MeshAlignment::mesh, an index into `meshes`; meshes without one have NA.
+/// @param alignments, poses  by MeshAlignment::mesh, an index into `meshes`; meshes without one
+///                           have NA.
 [[nodiscard]] std::string MeshesCsv(std::span<const JobMesh> meshes,
-                                    std::span<const MeshAlignment> alignments);
+                                    std::span<const MeshAlignment> alignments,
+                                    std::span<const MeshAlignment> poses);
 
 /// "rank,file,mean_distance" of the candidates for the base, the chosen one first: how much nearer
 /// to all others it is than the next says how clear the choice was.

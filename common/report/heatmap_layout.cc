@@ -71,10 +71,14 @@ std::string SymmetrizationText(Symmetrization symmetrization) {
 }
 
 void AddTitles(int64_t count, const MatrixDescription& description, HeatmapLayout& layout) {
-  layout.title = MetricText(description) + ", " + Counted(count, "mesh", "meshes");
-  layout.subtitle = MethodText(description) + "; " +
-                    (description.is_preview ? "over corresponding points"
-                                            : SymmetrizationText(description.symmetrization));
+  layout.title = description.title.empty() ? MetricText(description) : description.title;
+  layout.title += ", " + Counted(count, "mesh", "meshes");
+  layout.subtitle = description.subtitle;
+  if (layout.subtitle.empty()) {
+    layout.subtitle = MethodText(description) + "; " +
+                      (description.is_preview ? "over corresponding points"
+                                              : SymmetrizationText(description.symmetrization));
+  }
   layout.bar_title = ValueUnit(description);
   if (description.symmetrization != Symmetrization::kDirected) return;
   const bool is_numbered = !layout.row_title.empty();

@@ -17,6 +17,10 @@ struct MatrixDescription {
   Arithmetic arithmetic = Arithmetic::kExact;
   DistanceSign sign = DistanceSign::kAbsolute;
   std::string unit = "mm";  ///< Of lengths in the mesh files; empty: not known.
+  /// For matrices that are not of a metric: what their values are, and how they came about. Empty:
+  /// the words for the fields above.
+  std::string title = {};
+  std::string subtitle = {};
 };
 
 /// Unit of the metric's values: "mm", for the variance "mm²"; empty if not known.

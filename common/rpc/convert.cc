@@ -122,6 +122,20 @@ absl::StatusOr<std::vector<TaskMesh>> FromProto(
   return meshes;
 }
 
+v1::SymmetricCopy ToProto(const SymmetricCopy& copy) {
+  v1::SymmetricCopy wire;
+  wire.set_index(copy.index);
+  wire.set_sha256(copy.blob.Hex());
+  wire.set_asymmetry(copy.asymmetry);
+  return wire;
+}
+
+absl::StatusOr<SymmetricCopy> FromProto(const v1::SymmetricCopy& wire) {
+  SymmetricCopy copy{.index = wire.index(), .blob = {}, .asymmetry = wire.asymmetry()};
+  COHORT_ASSIGN_OR_RETURN(copy.blob, Digest::FromHex(wire.sha256()));
+  return copy;
+}
+
 absl::StatusOr<std::vector<Digest>> FromProto(
     const google::protobuf::RepeatedPtrField<std::string>& wire) {
   std::vector<Digest> digests;
@@ -237,6 +251,9 @@ v1::JobMesh ToProto(const JobMesh& mesh) {
   if (mesh.ingested) {
     *wire.mutable_ingested() = ToProto(*mesh.ingested);
   }
+  if (mesh.copy) {
+    *wire.mutable_copy() = ToProto(*mesh.copy);
+  }
   wire.set_rejection(mesh.rejection);
   return wire;
 }
@@ -246,6 +263,9 @@ absl::StatusOr<JobMesh> FromProto(const v1::JobMesh& wire) {
   COHORT_ASSIGN_OR_RETURN(mesh.mesh, FromProto(wire.mesh()));
   if (wire.has_ingested()) {
     COHORT_ASSIGN_OR_RETURN(mesh.ingested, FromProto(wire.ingested()));
+  }
+  if (wire.has_copy()) {
+    COHORT_ASSIGN_OR_RETURN(mesh.copy, FromProto(wire.copy()));
   }
   mesh.rejection = wire.rejection();
   return mesh;
@@ -292,6 +312,7 @@ v1::Task ToProto(const Task& task) {
   wire.set_counts_reference_index(task.counts_reference_index);
   wire.set_moves_reference(task.moves_reference);
   wire.mutable_frame_center()->Add(task.frame_center.begin(), task.frame_center.end());
+  wire.set_landmarks_sha256(task.landmarks.Hex());
   return wire;
 }
 
@@ -316,6 +337,7 @@ absl::StatusOr<Task> FromProto(const v1::Task& wire) {
   task.counts_reference_index = wire.counts_reference_index();
   task.moves_reference = wire.moves_reference();
   COHORT_ASSIGN_OR_RETURN(task.frame_center, PointFromProto(wire.frame_center(), "frame_center"));
+  COHORT_ASSIGN_OR_RETURN(task.landmarks, OptionalDigest(wire.landmarks_sha256()));
   return task;
 }
 
@@ -325,6 +347,9 @@ v1::TaskResult ToProto(const TaskResult& result) {
   wire.set_second_output_sha256(result.second_output.Hex());
   for (const IngestedMesh& mesh : result.ingested) {
     *wire.add_ingested() = ToProto(mesh);
+  }
+  for (const SymmetricCopy& copy : result.copies) {
+    *wire.add_copies() = ToProto(copy);
   }
   for (const MeshRejection& rejection : result.rejections) {
     auto* added = wire.add_rejections();
@@ -347,6 +372,10 @@ absl::StatusOr<TaskResult> FromProto(const v1::TaskResult& wire) {
   for (const v1::IngestedMesh& mesh : wire.ingested()) {
     COHORT_ASSIGN_OR_RETURN(IngestedMesh ingested, FromProto(mesh));
     result.ingested.push_back(std::move(ingested));
+  }
+  for (const v1::SymmetricCopy& wire_copy : wire.copies()) {
+    COHORT_ASSIGN_OR_RETURN(SymmetricCopy copy, FromProto(wire_copy));
+    result.copies.push_back(std::move(copy));
   }
   for (const v1::MeshRejection& rejection : wire.rejections()) {
     result.rejections.push_back({.index = rejection.index(), .reason = rejection.reason()});

@@ -23,14 +23,14 @@ absl::StatusOr<Ours> Unshift(Wire wire, Ours last, const char* name) {
 
 // The shift holds as long as first and last agree and nothing is inserted in between.
 static_assert(static_cast<int>(Method::kNone) + 1 == v1::METHOD_NONE);
-static_assert(static_cast<int>(PoseMode::kNone) + 1 == v1::POSE_MODE_NONE);
+static_assert(static_cast<int>(PoseMode::kLandmarks) + 1 == v1::POSE_MODE_LANDMARKS);
 static_assert(static_cast<int>(ScaleMode::kFromX) + 1 == v1::SCALE_MODE_FROM_X);
 static_assert(static_cast<int>(Arithmetic::kFidentis) + 1 == v1::ARITHMETIC_FIDENTIS);
 static_assert(static_cast<int>(DistanceSign::kSigned) + 1 == v1::DISTANCE_SIGN_SIGNED);
 static_assert(static_cast<int>(Metric::kPercentile75) + 1 == v1::METRIC_PERCENTILE_75);
 static_assert(static_cast<int>(Symmetrization::kDirected) + 1 == v1::SYMMETRIZATION_DIRECTED);
 static_assert(static_cast<int>(JobState::kCancelled) + 1 == v1::JOB_STATE_CANCELLED);
-static_assert(static_cast<int>(TaskKind::kPreview) + 1 == v1::TASK_KIND_PREVIEW);
+static_assert(static_cast<int>(TaskKind::kSymmetrize) + 1 == v1::TASK_KIND_SYMMETRIZE);
 static_assert(static_cast<int>(BaseRule::kAuto) + 1 == v1::BASE_RULE_AUTO);
 static_assert(static_cast<int>(Acceleration::kAnderson) + 1 == v1::ACCELERATION_ANDERSON);
 static_assert(static_cast<int>(BoundaryPairs::kReject) + 1 == v1::BOUNDARY_PAIRS_REJECT);
@@ -67,7 +67,7 @@ absl::StatusOr<Method> FromProto(v1::Method wire) {
   return Unshift(wire, Method::kNone, "method");
 }
 absl::StatusOr<PoseMode> FromProto(v1::PoseMode wire) {
-  return Unshift(wire, PoseMode::kNone, "pose");
+  return Unshift(wire, PoseMode::kLandmarks, "pose");
 }
 absl::StatusOr<ScaleMode> FromProto(v1::ScaleMode wire) {
   return Unshift(wire, ScaleMode::kFromX, "scale");
@@ -82,7 +82,7 @@ absl::StatusOr<JobState> FromProto(v1::JobState wire) {
   return Unshift(wire, JobState::kCancelled, "state");
 }
 absl::StatusOr<TaskKind> FromProto(v1::TaskKind wire) {
-  return Unshift(wire, TaskKind::kPreview, "kind");
+  return Unshift(wire, TaskKind::kSymmetrize, "kind");
 }
 v1::Arithmetic ToProto(Arithmetic value) {
   return Shift<v1::Arithmetic>(value);

@@ -97,6 +97,8 @@ v1::JobSpec ToProto(const JobSpec& spec) {
   wire.set_neighbours(spec.neighbours);
   wire.set_position_bits(spec.position_bits);
   wire.set_size_ratio_limit(spec.size_ratio_limit);
+  wire.set_landmarks_sha256(spec.landmarks.Hex());
+  wire.set_symmetric_copies(spec.symmetric_copies);
   return wire;
 }
 
@@ -119,6 +121,8 @@ absl::StatusOr<JobSpec> FromProto(const v1::JobSpec& wire) {
   spec.neighbours = wire.neighbours();
   spec.position_bits = wire.position_bits();
   spec.size_ratio_limit = wire.size_ratio_limit();
+  COHORT_ASSIGN_OR_RETURN(spec.landmarks, OptionalDigest(wire.landmarks_sha256()));
+  spec.symmetric_copies = wire.symmetric_copies();
   return spec;
 }
 

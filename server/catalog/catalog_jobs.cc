@@ -52,7 +52,7 @@ absl::Status UpdateJobMeshes(soci::session& sql,
                       "WHERE job = :job AND idx = :idx",
        soci::use(ingested), soci::use(rejection), soci::use(job), soci::use(index));
   for (const JobMesh& mesh : meshes) {
-    ingested = mesh.ingested.has_value() ? IngestedToText(*mesh.ingested) : std::string();
+    ingested = OutcomeToText(mesh);
     rejection = mesh.rejection;
     update.execute(true);
     if (update.get_affected_rows() != 1) {
@@ -80,11 +80,7 @@ absl::StatusOr<std::vector<JobMesh>> SelectJobMeshes(soci::session& sql, int64_t
   while (select.fetch()) {
     COHORT_ASSIGN_OR_RETURN(mesh.mesh.raw, DigestFromText(raw));
     COHORT_ASSIGN_OR_RETURN(mesh.mesh.labels, LabelsFromText(labels));
-    mesh.ingested.reset();
-    if (!ingested.empty()) {
-      COHORT_ASSIGN_OR_RETURN(mesh.ingested, IngestedFromText(ingested));
-      mesh.ingested->index = static_cast<int32_t>(meshes.size());
-    }
+    COHORT_RETURN_IF_ERROR(OutcomeFromText(ingested, static_cast<int32_t>(meshes.size()), mesh));
     meshes.push_back(mesh);
   }
   return meshes;

@@ -112,6 +112,41 @@ absl::StatusOr<IngestedMesh> IngestedFromText(const std::string& text) {
   return std::move(carrier.ingested[0]);
 }
 
+std::string OutcomeToText(const JobMesh& mesh) {
+  if (!mesh.ingested) {
+    return "";
+  }
+  TaskResult carrier;
+  carrier.ingested = {*mesh.ingested};
+  carrier.ingested[0].index = 0;
+  if (mesh.copy) {
+    carrier.copies = {*mesh.copy};
+    carrier.copies[0].index = 0;
+  }
+  return ResultToText(carrier);
+}
+
+absl::Status OutcomeFromText(const std::string& text, int32_t index, JobMesh& mesh) {
+  mesh.ingested.reset();
+  mesh.copy.reset();
+  if (text.empty()) {
+    return absl::OkStatus();
+  }
+  COHORT_ASSIGN_OR_RETURN(TaskResult carrier, ResultFromText(text));
+  if (carrier.ingested.size() != 1 || carrier.copies.size() > 1) {
+    return absl::DataLossError("mesh of a job: " + std::to_string(carrier.ingested.size()) +
+                               " meshes and " + std::to_string(carrier.copies.size()) +
+                               " copies instead of one");
+  }
+  mesh.ingested = std::move(carrier.ingested[0]);
+  mesh.ingested->index = index;
+  if (!carrier.copies.empty()) {
+    mesh.copy = std::move(carrier.copies[0]);
+    mesh.copy->index = index;
+  }
+  return absl::OkStatus();
+}
+
 std::string OutputsToText(const JobOutputs& outputs) {
   return ToJson(outputs).dump();
 }

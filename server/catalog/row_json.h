@@ -36,6 +36,12 @@ namespace cohort {
 [[nodiscard]] std::string IngestedToText(const IngestedMesh& mesh);
 [[nodiscard]] absl::StatusOr<IngestedMesh> IngestedFromText(const std::string& text);
 
+/// What became of a mesh in its job, without its index: `ingested` and `copy`; the empty text if it
+/// was not ingested.
+[[nodiscard]] std::string OutcomeToText(const JobMesh& mesh);
+/// Sets `ingested` and `copy` of `mesh`.
+[[nodiscard]] absl::Status OutcomeFromText(const std::string& text, int32_t index, JobMesh& mesh);
+
 /// The empty digest is the empty text.
 [[nodiscard]] absl::StatusOr<Digest> DigestFromText(const std::string& text);
 

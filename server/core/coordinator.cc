@@ -97,10 +97,23 @@ absl::StatusOr<Page<MeshSet>> Coordinator::ListSets(int page_size, const std::st
   return catalog_.ListSets(size, token);
 }
 
+absl::Status Coordinator::CheckLandmarks(const JobSpec& spec) {
+  if (spec.landmarks.empty()) {
+    return absl::OkStatus();
+  }
+  COHORT_ASSIGN_OR_RETURN(const bool exists, store_.Contains(spec.landmarks));
+  return exists ? absl::OkStatus()
+                : WithReason(absl::FailedPreconditionError("landmarks: the server has no " +
+                                                           spec.landmarks.Hex() +
+                                                           "; write the blob first"),
+                             "BLOB_MISSING");
+}
+
 absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
                                            const JobSpec& spec,
                                            const std::string& request_id) {
   COHORT_RETURN_IF_ERROR(spec.Validate());
+  COHORT_RETURN_IF_ERROR(CheckLandmarks(spec));
   std::vector<SetMesh> meshes;
   std::string token;
   do {

@@ -60,6 +60,7 @@ class Coordinator {
   [[nodiscard]] absl::StatusOr<Page<MeshSet>> ListSets(int page_size, const std::string& token);
 
   // Jobs.
+  /// @return also kFailedPrecondition (BLOB_MISSING) if the spec's landmarks are not in the store.
   [[nodiscard]] absl::StatusOr<Job> CreateJob(const std::string& set,
                                               const JobSpec& spec,
                                               const std::string& request_id);
@@ -124,6 +125,7 @@ class Coordinator {
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status CheckOutputs(const TaskResult& result);
   absl::StatusOr<JobOutputs> OutputsSoFar(const JobId& id) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status CheckLandmarks(const JobSpec& spec);
   void Touch(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Drops ended jobs and returns what observers are to hear.
   std::vector<Job> TakeChanges() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

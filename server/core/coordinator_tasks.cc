@@ -235,6 +235,9 @@ absl::Status Coordinator::CheckOutputs(const TaskResult& result) {
   for (const IngestedMesh& mesh : result.ingested) {
     outputs.push_back(mesh.blob);
   }
+  for (const SymmetricCopy& copy : result.copies) {
+    outputs.push_back(copy.blob);
+  }
   for (const Digest& output : outputs) {
     if (output.empty()) {
       continue;

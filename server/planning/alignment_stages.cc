@@ -63,10 +63,21 @@ class PoseStage final : public Stage {
     return state.VerticesOf(BatchAt(state, task).meshes) * kPoseSecondsPerVertex;
   }
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
-    return MakeBatchTask(TaskKind::kPose, state, task);
+    Task made = MakeBatchTask(TaskKind::kPose, state, task);
+    if (state.spec.pose == PoseMode::kLandmarks) {
+      made.targets = state.TaskMeshes({state.base});
+      made.landmarks = state.spec.landmarks;
+      made.icp = state.spec.icp;
+    }
+    return made;
   }
   [[nodiscard]] absl::Status Absorb(PlanState& state,
                                     std::span<const TaskResult> results) const override {
+    for (const TaskResult& result : results) {
+      if (!result.output.empty()) {
+        state.outputs.poses.push_back(result.output);
+      }
+    }
     return AbsorbAlignments(state, results);
   }
 };
@@ -164,12 +175,13 @@ class ChooseBaseStage final : public Stage {
     made.kind = TaskKind::kChooseBase;
     made.meshes = state.TaskMeshes(state.active);
     made.icp = state.spec.icp;
+    made.landmarks = state.spec.landmarks;
     return made;
   }
   [[nodiscard]] absl::Status Absorb(PlanState& state,
                                     std::span<const TaskResult> results) const override {
     state.base = results.front().base;
-    state.reference = state.meshes[static_cast<size_t>(state.base)].ingested->blob;
+    state.reference = state.BlobOf(state.base);
     state.outputs.base_choice = results.front().output;
     return absl::OkStatus();
   }

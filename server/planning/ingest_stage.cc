@@ -13,20 +13,6 @@ constexpr double kSecondsPerByte = 1.5e-7;
 constexpr int64_t kMeshesPerBatchStep = 64;
 constexpr int64_t kMaxBatchSize = 8;
 
-/// The base mesh that the job names, or else the first that can be used.
-absl::Status ChooseBase(PlanState& state) {
-  if (state.spec.base.empty()) {
-    state.base = state.active.front();
-  }
-  const JobMesh& base = state.meshes[static_cast<size_t>(state.base)];
-  if (!base.rejection.empty()) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("the base mesh ", base.mesh.name, " cannot be used: ", base.rejection));
-  }
-  state.reference = base.ingested->blob;
-  return absl::OkStatus();
-}
-
 /// Takes out the meshes without faces if the job asks for surfaces.
 void RejectPointClouds(PlanState& state) {
   if (state.spec.icp.correspondence == Correspondence::kVertex &&
@@ -89,7 +75,7 @@ class IngestStage final : public Stage {
     }
     RejectPointClouds(state);
     COHORT_RETURN_IF_ERROR(state.CheckEnoughLeft());
-    COHORT_RETURN_IF_ERROR(ChooseBase(state));
+    COHORT_RETURN_IF_ERROR(state.ChooseBase());
     state.FormBatches();
     return CheckSizesFit(state);
   }

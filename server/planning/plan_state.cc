@@ -49,12 +49,16 @@ double PlanState::VerticesOf(const std::vector<int32_t>& chosen) const {
   return sum;
 }
 
+const Digest& PlanState::BlobOf(int32_t mesh) const {
+  const JobMesh& chosen = meshes[static_cast<size_t>(mesh)];
+  return chosen.copy ? chosen.copy->blob : chosen.ingested->blob;
+}
+
 std::vector<TaskMesh> PlanState::TaskMeshes(const std::vector<int32_t>& chosen) const {
   std::vector<TaskMesh> result;
   result.reserve(chosen.size());
   for (const int32_t index : chosen) {
-    const JobMesh& mesh = meshes[static_cast<size_t>(index)];
-    result.push_back({index, mesh.mesh.name, mesh.ingested->blob});
+    result.push_back({index, meshes[static_cast<size_t>(index)].mesh.name, BlobOf(index)});
   }
   return result;
 }
@@ -65,6 +69,19 @@ std::vector<Digest> PlanState::AlignmentsOf(const std::vector<int32_t>& chosen) 
 
 std::vector<Digest> PlanState::PlacedOf(const std::vector<int32_t>& chosen) const {
   return BlobsOf(batches, chosen, &Batch::placed);
+}
+
+absl::Status PlanState::ChooseBase() {
+  if (spec.base.empty()) {
+    base = active.front();
+  }
+  const JobMesh& chosen = meshes[static_cast<size_t>(base)];
+  if (!chosen.rejection.empty()) {
+    return absl::FailedPreconditionError(absl::StrCat("the base mesh ", chosen.mesh.name,
+                                                      " cannot be used: ", chosen.rejection));
+  }
+  reference = BlobOf(base);
+  return absl::OkStatus();
 }
 
 void PlanState::FormBatches() {

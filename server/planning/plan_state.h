@@ -37,7 +37,10 @@ struct PlanState {
   /// Known after ingest; before, a guess from the file's size.
   [[nodiscard]] double VerticesOf(int32_t mesh) const;
   [[nodiscard]] double VerticesOf(const std::vector<int32_t>& chosen) const;
-  /// The canonical meshes; only after ingest.
+  /// What the job works with in place of the file: the canonical mesh, or its symmetric copy; only
+  /// after ingest.
+  [[nodiscard]] const Digest& BlobOf(int32_t mesh) const;
+  /// With BlobOf; only after ingest.
   [[nodiscard]] std::vector<TaskMesh> TaskMeshes(const std::vector<int32_t>& chosen) const;
   /// Alignment blobs of the batches that hold `chosen` (active, ascending), each once, in batch
   /// order. Empty while nothing is aligned.
@@ -46,6 +49,9 @@ struct PlanState {
   /// The same of their placed blobs.
   [[nodiscard]] std::vector<Digest> PlacedOf(const std::vector<int32_t>& chosen) const;
 
+  /// Takes the mesh that the job names, or else the first that can be used, as base and reference.
+  /// @return kFailedPrecondition if the mesh that the job names was rejected.
+  [[nodiscard]] absl::Status ChooseBase();
   /// Divides the active meshes into new batches.
   void FormBatches();
   /// Takes meshes out of the job; batches left empty are dropped.

@@ -68,10 +68,13 @@ std::vector<Step> MakeSteps(const JobSpec& spec) {
   }
   StepList steps;
   steps.Add(MakeIngestStage());
+  if (spec.symmetric_copies) {
+    steps.Add(MakeSymmetrizeStage());
+  }
   if (spec.base_rule == BaseRule::kAuto) {
     steps.Add(MakeChooseBaseStage());
   }
-  if (spec.method != Method::kNone && spec.pose == PoseMode::kPrincipalAxes) {
+  if (spec.method != Method::kNone && spec.pose != PoseMode::kNone) {
     steps.Add(MakePoseStage());
   }
   switch (spec.method) {

@@ -55,6 +55,29 @@ absl::Status CheckIngested(const PlanState& state, const Task& task, const TaskR
   return absl::OkStatus();
 }
 
+/// Every mesh of the task exactly once: a copy or a rejection.
+absl::Status CheckSymmetrized(const Task& task, const TaskResult& result) {
+  std::set<int32_t> answered;
+  const auto answer = [&](int32_t index) {
+    return HasMesh(task, index) && answered.insert(index).second
+               ? absl::OkStatus()
+               : Misfit(task, absl::StrCat("mesh ", index, " is not of it, or there twice"));
+  };
+  for (const SymmetricCopy& copy : result.copies) {
+    COHORT_RETURN_IF_ERROR(answer(copy.index));
+    if (copy.blob.empty()) {
+      return Misfit(task, absl::StrCat("mesh ", copy.index, " without a blob"));
+    }
+  }
+  for (const MeshRejection& rejection : result.rejections) {
+    COHORT_RETURN_IF_ERROR(answer(rejection.index));
+  }
+  return answered.size() == task.meshes.size()
+             ? absl::OkStatus()
+             : Misfit(task, absl::StrCat(task.meshes.size() - answered.size(),
+                                         " meshes are neither copied nor rejected"));
+}
+
 bool MayReject(TaskKind kind) {
   return kind == TaskKind::kPose || kind == TaskKind::kAlign;
 }
@@ -69,6 +92,9 @@ bool HasSecondOutput(const Task& task) {
 absl::Status CheckResult(const PlanState& state, const Task& task, const TaskResult& result) {
   if (task.kind == TaskKind::kIngest) {
     return CheckIngested(state, task, result);
+  }
+  if (task.kind == TaskKind::kSymmetrize) {
+    return CheckSymmetrized(task, result);
   }
   std::set<int32_t> rejected;
   for (const MeshRejection& rejection : result.rejections) {

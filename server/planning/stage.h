@@ -43,6 +43,7 @@ enum class Displacement { kWanted, kNotWanted };
 enum class LastShape { kReferencePlusDisplacement, kReference };
 
 [[nodiscard]] std::unique_ptr<const Stage> MakeIngestStage();
+[[nodiscard]] std::unique_ptr<const Stage> MakeSymmetrizeStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeChooseBaseStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakePoseStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeAlignStage(const std::string& name,

@@ -104,6 +104,9 @@ grpc::Status ResultServiceSkin::GetOutputs(grpc::ServerContext* /*context*/,
   for (const Digest& digest : outputs->alignments) {
     response->add_alignment_sha256(digest.Hex());
   }
+  for (const Digest& digest : outputs->poses) {
+    response->add_pose_sha256(digest.Hex());
+  }
   response->set_mean_shape_sha256(outputs->mean_shape.Hex());
   response->set_summary_sha256(outputs->summary.Hex());
   response->set_variation_shape_sha256(outputs->variation_shape.Hex());

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "common/base/status_macros.h"
-#include "common/geometry/registration/coarse_pose.h"
 #include "common/geometry/registration/mean_shape.h"
 #include "common/jobs/blobs.h"
 #include "common/store/mesh_blob.h"
+#include "worker/tasks/pose_finder.h"
 
 namespace cohort {
 
@@ -25,15 +25,20 @@ absl::StatusOr<Alignment> AlignMesh(const Task& task,
 }
 
 absl::StatusOr<TaskResult> RunPoseTask(const Task& task, const TaskContext& context) {
-  COHORT_ASSIGN_OR_RETURN(const auto reference, context.meshes.Get(task.reference));
+  const std::string base_name = task.targets.empty() ? "" : task.targets.front().name;
+  COHORT_ASSIGN_OR_RETURN(
+      const PoseFinder poses_to_base,
+      PoseFinder::Create(task, {.index = -1, .name = base_name, .blob = task.reference}, context));
   TaskResult result;
   result.counters.pose.index_builds = task.counts_reference_index ? 1 : 0;
   std::vector<MeshAlignment> poses;
   for (const TaskMesh& input : task.meshes) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
-    COHORT_ASSIGN_OR_RETURN(const auto mesh, context.meshes.Get(input.blob));
-    const absl::StatusOr<CoarsePose> pose = FindCoarsePose(*mesh, *reference);
+    const absl::StatusOr<CoarsePose> pose = poses_to_base.Find(input);
     if (!pose.ok()) {
+      if (!PoseFinder::IsTheMeshsFault(pose.status())) {
+        return pose.status();
+      }
       result.rejections.push_back(
           {.index = input.index,
            .reason = input.name + ": no coarse pose: " + std::string(pose.status().message())});

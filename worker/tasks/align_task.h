@@ -14,7 +14,7 @@ namespace cohort {
                                                   const TaskContext& context,
                                                   PacketSearch& search);
 
-/// kPose: a coarse pose for each mesh. A mesh without extent is rejected.
+/// kPose: a coarse pose for each mesh (PoseFinder). A mesh that none is found for is rejected.
 [[nodiscard]] absl::StatusOr<TaskResult> RunPoseTask(const Task& task, const TaskContext& context);
 
 /// kAlign: scaling ICP of each mesh to the reference, and the sum of the displacements of the

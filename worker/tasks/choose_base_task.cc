@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/base/status_macros.h"
-#include "common/geometry/registration/coarse_pose.h"
 #include "common/jobs/blobs.h"
 #include "worker/tasks/align_task.h"
+#include "worker/tasks/pose_finder.h"
 
 namespace cohort {
 namespace {
@@ -57,13 +57,15 @@ absl::StatusOr<std::vector<Candidate>> Place(const Task& task, const TaskContext
   const std::vector<TaskMesh> inputs = EvenlySpaced(task.meshes);
   COHORT_ASSIGN_OR_RETURN(const auto first, context.meshes.Get(inputs.front().blob));
   COHORT_ASSIGN_OR_RETURN(const auto target, context.meshes.GetIcpMesh(inputs.front().blob));
+  COHORT_ASSIGN_OR_RETURN(const PoseFinder poses,
+                          PoseFinder::Create(task, inputs.front(), context));
   const Task cheap = CheapAlignment(task, RmsRadius(*first));
   PacketSearch search;
   std::vector<Candidate> candidates;
   for (const TaskMesh& input : inputs) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
     COHORT_ASSIGN_OR_RETURN(const auto mesh, context.meshes.Get(input.blob));
-    const absl::StatusOr<CoarsePose> pose = FindCoarsePose(*mesh, *first);
+    const absl::StatusOr<CoarsePose> pose = poses.Find(input);
     if (!pose.ok()) {
       continue;
     }

@@ -60,6 +60,16 @@ absl::StatusOr<std::shared_ptr<const TriangleMesh>> MeshCache::Get(const Digest&
   });
 }
 
+absl::StatusOr<std::shared_ptr<const LandmarkTable>> MeshCache::GetLandmarks(const Digest& blob) {
+  return GetOrMake<LandmarkTable>(
+      "landmarks " + blob.Hex(), [&]() -> absl::StatusOr<Made<LandmarkTable>> {
+        COHORT_ASSIGN_OR_RETURN(const std::string bytes, store_.Get(blob));
+        COHORT_ASSIGN_OR_RETURN(LandmarkTable decoded, DecodeLandmarkBlob(bytes));
+        auto table = std::make_shared<const LandmarkTable>(std::move(decoded));
+        return Made<LandmarkTable>{.value = table, .bytes = SizeOf(*table)};
+      });
+}
+
 absl::StatusOr<std::shared_ptr<const IcpMesh>> MeshCache::GetIcpMesh(const Digest& blob) {
   return GetOrMake<IcpMesh>("icp " + blob.Hex(), [&]() -> absl::StatusOr<Made<IcpMesh>> {
     COHORT_ASSIGN_OR_RETURN(const auto mesh, Get(blob));

@@ -18,11 +18,12 @@
 #include "common/geometry/registration/icp_mesh.h"
 #include "common/geometry/registration/similarity.h"
 #include "common/geometry/registration/undersampling.h"
+#include "common/jobs/landmark_blob.h"
 #include "common/store/blob_store.h"
 
 namespace cohort {
 
-/// Decoded meshes and their packed forms, shared by the slots of a worker; the least recently used
+/// Decoded meshes, their packed forms and landmark tables, shared by the slots of a worker; the least recently used
 /// go first when the limit is reached. Thread-safe.
 class MeshCache {
  public:
@@ -31,6 +32,10 @@ class MeshCache {
 
   /// @return as BlobStore::Get and DecodeMeshBlob, naming the blob.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const TriangleMesh>> Get(const Digest& blob);
+  /// All landmarks of a job: fetched and decoded once, not for each of its tasks.
+  /// @return as BlobStore::Get and DecodeLandmarkBlob.
+  [[nodiscard]] absl::StatusOr<std::shared_ptr<const LandmarkTable>> GetLandmarks(
+      const Digest& blob);
   /// The mesh as registration reads it, with its open boundary.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const IcpMesh>> GetIcpMesh(const Digest& blob);
   /// The same as a target of these correspondences: with its surface if they need it.

@@ -11,6 +11,7 @@
 #include "worker/tasks/fidentis_tasks.h"
 #include "worker/tasks/ingest_task.h"
 #include "worker/tasks/preview_task.h"
+#include "worker/tasks/symmetrize_task.h"
 #include "worker/tasks/task_context.h"
 #include "worker/tasks/variation_task.h"
 
@@ -60,6 +61,8 @@ absl::StatusOr<TaskResult> Dispatch(const Task& task, const TaskContext& context
       return RunChooseBaseTask(task, context);
     case TaskKind::kPreview:
       return RunPreviewTask(task, context);
+    case TaskKind::kSymmetrize:
+      return RunSymmetrizeTask(task, context);
   }
   return absl::InvalidArgumentError("task kind " + std::to_string(static_cast<int>(task.kind)) +
                                     " is not known");

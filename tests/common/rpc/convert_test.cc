@@ -40,6 +40,8 @@ JobSpec UnusualSpec() {
   spec.neighbours = 5;
   spec.position_bits = 14;
   spec.size_ratio_limit = 2.5;
+  spec.landmarks = Sha256::Of("landmarks");
+  spec.symmetric_copies = true;
   return spec;
 }
 

@@ -7,12 +7,17 @@
 
 #include "common/geometry/mesh/bounds.h"
 #include "common/geometry/mesh/vertex_normals.h"
+#include "common/geometry/nearest/surface_search.h"
+#include "common/geometry/synthetic/capture.h"
+#include "common/geometry/synthetic/procedural_face.h"
 #include "tests/common/geometry/registration/bumpy_surface.h"
+#include "tests/testing/status_matchers.h"
 
 namespace cohort {
 namespace {
 
 using testing::BumpySurface;
+using testing::IsOk;
 using testing::MakeSimilarity;
 
 /// An even grid that is the same left and right of x = 12.
@@ -59,25 +64,27 @@ TEST(MirroredMesh, WorksForAPointCloud) {
   EXPECT_EQ(MirroredMesh(cloud).FaceCount(), 0);
 }
 
-TEST(SymmetrizedMesh, LeavesASymmetricMeshAsItIs) {
+TEST(SymmetrizeMesh, LeavesASymmetricMeshAsItIs) {
   const TriangleMesh mesh = SymmetricSurface();
-  const TriangleMesh symmetrized = SymmetrizedMesh(mesh, Similarity());
+  const TriangleMesh symmetrized =
+      SymmetrizeMesh(mesh, Similarity(), Correspondence::kVertex).mesh;
   EXPECT_LT((symmetrized.vertices - mesh.vertices).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_EQ(symmetrized.faces, mesh.faces);
 }
 
-TEST(SymmetrizedMesh, HalvesAnAsymmetryThatStaysOnItsSide) {
+TEST(SymmetrizeMesh, HalvesAnAsymmetryThatStaysOnItsSide) {
   TriangleMesh mesh = SymmetricSurface();
   const TriangleMesh even = mesh;
   const Eigen::Index left = 4 * 21 + 10;
   const Eigen::Index right = 16 * 21 + 10;
   mesh.vertices(2, left) += 2;
-  const TriangleMesh symmetrized = SymmetrizedMesh(mesh, Similarity());
+  const TriangleMesh symmetrized =
+      SymmetrizeMesh(mesh, Similarity(), Correspondence::kVertex).mesh;
   EXPECT_NEAR(symmetrized.vertices(2, left), even.vertices(2, left) + 1, 1e-9);
   EXPECT_NEAR(symmetrized.vertices(2, right), even.vertices(2, right) + 1, 1e-9);
 }
 
-TEST(SymmetrizedMesh, GoesByTheAlignmentWhereverTheMeshLies) {
+TEST(SymmetrizeMesh, GoesByTheAlignmentWhereverTheMeshLies) {
   const TriangleMesh even = SymmetricSurface();
   const Similarity T_turned_even = MakeSimilarity(1, 50, {0.1, 1, 0.3}, {5, 6, 700});
   TriangleMesh turned = even;
@@ -96,8 +103,102 @@ TEST(SymmetrizedMesh, GoesByTheAlignmentWhereverTheMeshLies) {
   T_mesh_mirrored.rotation = motion.topLeftCorner<3, 3>();
   T_mesh_mirrored.translation = motion.topRightCorner<3, 1>();
   ASSERT_NEAR(T_mesh_mirrored.rotation.determinant(), 1, 1e-12);
-  const TriangleMesh symmetrized = SymmetrizedMesh(turned, T_mesh_mirrored);
+  const TriangleMesh symmetrized =
+      SymmetrizeMesh(turned, T_mesh_mirrored, Correspondence::kVertex).mesh;
   EXPECT_LT((symmetrized.vertices - turned.vertices).cwiseAbs().maxCoeff(), 1e-10);
+}
+
+TEST(SymmetrizeMesh, MovesNothingOnASymmetricSurfaceEither) {
+  const TriangleMesh mesh = SymmetricSurface();
+  const SymmetricMesh symmetric = SymmetrizeMesh(mesh, Similarity(), Correspondence::kSurface);
+  // The search is in float32, about the centroid.
+  EXPECT_LT((symmetric.mesh.vertices - mesh.vertices).cwiseAbs().maxCoeff(), 1e-5);
+  EXPECT_LT(symmetric.asymmetry, 1e-5);
+}
+
+TEST(SymmetrizeMesh, MeasuresHowFarTheInnerVerticesMoved) {
+  TriangleMesh mesh = SymmetricSurface();
+  mesh.vertices(2, 4 * 21 + 10) += 2;  // One vertex: it and its partner move by 1.
+  const double inner = 19 * 19;
+  EXPECT_NEAR(SymmetrizeMesh(mesh, Similarity(), Correspondence::kVertex).asymmetry,
+              std::sqrt(2 / inner), 1e-6);
+}
+
+TEST(SymmetrizeMesh, DoesNotCountWhereOneSideIsCutShorter) {
+  // Without the three outermost columns of one side.
+  TriangleMesh mesh = BumpySurface(21);
+  TriangleMesh cut = SymmetricSurface();
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index f = 0; f < mesh.FaceCount(); ++f) {
+    if (mesh.faces.col(f).minCoeff() >= 3 * 21) {
+      kept.push_back(f);
+    }
+  }
+  cut.faces = (mesh.faces(Eigen::all, kept).array() - 3 * 21).matrix();
+  cut.vertices = Eigen::Matrix3Xd(SymmetricSurface().vertices.rightCols(18 * 21));
+  // Mirrored in x = 12, the plane of symmetry, not in the centroid's.
+  Similarity T_mesh_mirrored;
+  T_mesh_mirrored.translation.x() = 2 * (12 - CentroidOf(cut.vertices).x());
+  EXPECT_LT(SymmetrizeMesh(cut, T_mesh_mirrored, Correspondence::kSurface).asymmetry, 1e-5);
+}
+
+/// A face in any pose with all its asymmetry in one parameter, mm.
+TriangleMesh FaceWithAsymmetry(double asymmetry, uint64_t seed, double max_rotation_degrees) {
+  FaceParameters parameters = DrawPerson(seed, 1);
+  parameters.identity.asymmetry = asymmetry;
+  parameters.bumps = {};
+  TriangleMesh mesh = CaptureFace(ProceduralFace(parameters), seed,
+                                  {.vertices = 4000, .noise = 0.02, .warp = 0});
+  const CapturePose pose = DrawPose(seed, {.max_rotation_degrees = max_rotation_degrees});
+  mesh.vertices = pose.T_file_canonical.Apply(mesh.vertices);
+  return mesh;
+}
+
+TEST(MakeSymmetric, TellsAsymmetricFacesFromSymmetricOnes) {
+  PacketSearch search;
+  const auto even = MakeSymmetric(FaceWithAsymmetry(0, 3, 10), {}, search);
+  const auto odd = MakeSymmetric(FaceWithAsymmetry(4, 3, 10), {}, search);
+  ASSERT_THAT(even, IsOk());
+  ASSERT_THAT(odd, IsOk());
+  EXPECT_LT(even->asymmetry, 0.08);  // Noise and triangles of about 2 mm.
+  EXPECT_GT(odd->asymmetry, 4 * even->asymmetry);
+}
+
+TEST(MakeSymmetric, LeavesLittleAsymmetry) {
+  PacketSearch search;
+  const TriangleMesh face = FaceWithAsymmetry(4, 5, 10);
+  const auto once = MakeSymmetric(face, {}, search);
+  ASSERT_THAT(once, IsOk());
+  const auto twice = MakeSymmetric(once->mesh, {}, search);
+  ASSERT_THAT(twice, IsOk());
+  EXPECT_LT(twice->asymmetry, once->asymmetry / 5);
+  EXPECT_EQ(once->mesh.faces, face.faces);
+}
+
+TEST(MakeSymmetric, DoesNotDependOnThePose) {
+  PacketSearch search;
+  const auto upright = MakeSymmetric(FaceWithAsymmetry(4, 6, 0), {}, search);
+  const auto turned = MakeSymmetric(FaceWithAsymmetry(4, 6, 180), {}, search);
+  ASSERT_THAT(upright, IsOk());
+  ASSERT_THAT(turned, IsOk());
+  EXPECT_NEAR(turned->asymmetry, upright->asymmetry, 0.03 * upright->asymmetry);
+}
+
+TEST(MakeSymmetric, TakesPointClouds) {
+  PacketSearch search;
+  TriangleMesh cloud = FaceWithAsymmetry(4, 7, 10);
+  cloud.faces.resize(3, 0);
+  const auto symmetric = MakeSymmetric(cloud, {}, search);
+  ASSERT_THAT(symmetric, IsOk());
+  EXPECT_TRUE(symmetric->mesh.IsPointCloud());
+}
+
+TEST(MakeSymmetric, RefusesAMeshWithoutExtent) {
+  PacketSearch search;
+  TriangleMesh point;
+  point.vertices = Eigen::Matrix3Xd::Constant(3, 5, 1);
+  EXPECT_THAT(MakeSymmetric(point, {}, search),
+              testing::StatusIs(absl::StatusCode::kFailedPrecondition));
 }
 
 }  // namespace
