@@ -69,9 +69,10 @@ absl::Status SortByName(std::vector<ReadLandmarkSet>& sets) {
     }
   }
   if (sets.size() < 2) {
-    return absl::InvalidArgumentError(absl::StrCat("a Procrustes analysis needs two landmark sets, ",
-                                                   sets.empty() ? "there is none" : "there is one: ",
-                                                   sets.empty() ? "" : NameOf(sets.front())));
+    return absl::InvalidArgumentError(
+        absl::StrCat("a Procrustes analysis needs two landmark sets, ",
+                     sets.empty() ? "there is none" : "there is one: ",
+                     sets.empty() ? "" : NameOf(sets.front())));
   }
   return absl::OkStatus();
 }
@@ -95,10 +96,10 @@ absl::Status Explained(const absl::Status& status,
                        const ProcrustesOptions& options) {
   const std::vector<std::string> common = CommonLandmarks(landmarks);
   if (common.size() < 3) {
-    const auto fewest = std::min_element(
-        sets.begin(), sets.end(), [](const ReadLandmarkSet& a, const ReadLandmarkSet& b) {
-          return a.landmarks.Count() < b.landmarks.Count();
-        });
+    const auto fewest = std::min_element(sets.begin(), sets.end(),
+                                         [](const ReadLandmarkSet& a, const ReadLandmarkSet& b) {
+                                           return a.landmarks.Count() < b.landmarks.Count();
+                                         });
     return absl::InvalidArgumentError(absl::StrCat(
         std::string(status.message()), "; ", NameOf(*fewest), " has ", fewest->landmarks.Count(),
         fewest->landmarks.names.size() <= kNamed
@@ -108,9 +109,8 @@ absl::Status Explained(const absl::Status& status,
   for (size_t s = 0; s < sets.size(); ++s) {
     const LandmarkSet alone = {common, PointsOf(landmarks[s], common)};
     if (!AnalyzeProcrustes(std::span(&alone, 1), options).ok()) {
-      return absl::Status(status.code(),
-                          absl::StrCat(sets[s].path, ": the common landmarks of ", NameOf(sets[s]),
-                                       " coincide"));
+      return absl::Status(status.code(), absl::StrCat(sets[s].path, ": the common landmarks of ",
+                                                      NameOf(sets[s]), " coincide"));
     }
   }
   return status;
@@ -154,18 +154,18 @@ absl::Status WriteFiles(const GpaReport& report,
                                    MatrixCsv(matrix, "procrustes_distance")));
   COHORT_RETURN_IF_ERROR(
       out.Write({"matrix.npy", "matrix.csv for NumPy", unit}, MatrixNpy(matrix.values)));
-  COHORT_RETURN_IF_ERROR(out.Write({"labels.txt", "names of the rows of matrix.npy", ""},
-                                   LabelsText(matrix.labels)));
+  COHORT_RETURN_IF_ERROR(
+      out.Write({"labels.txt", "names of the rows of matrix.npy", ""}, LabelsText(matrix.labels)));
   COHORT_RETURN_IF_ERROR(
       out.Write({"consensus.csv", "the mean of the superimposed sets, a landmark file", unit},
                 WriteLandmarksCsv({report.analysis.names, report.analysis.consensus})));
   COHORT_RETURN_IF_ERROR(out.Write(
       {"aligned.csv", "all sets as superimposed, a landmark file", unit}, AlignedCsv(report)));
-  COHORT_RETURN_IF_ERROR(out.Write(
-      {"sets.csv", "centroid size (as read) and distance to the mean of each set", ""},
-      GpaSetsCsv(report)));
-  COHORT_RETURN_IF_ERROR(out.Write({"heatmap.png", "the matrix as a picture", unit},
-                                   HeatmapPng(matrix, description)));
+  COHORT_RETURN_IF_ERROR(
+      out.Write({"sets.csv", "centroid size (as read) and distance to the mean of each set", ""},
+                GpaSetsCsv(report)));
+  COHORT_RETURN_IF_ERROR(
+      out.Write({"heatmap.png", "the matrix as a picture", unit}, HeatmapPng(matrix, description)));
   return out.Write({"job.json", "parameters, inputs, versions", ""},
                    GpaJson(report, inputs, out.Files(), "cohort " + std::string(BuildVersion())));
 }
@@ -190,9 +190,8 @@ std::string Text(const GpaReport& report, const std::string& folder) {
                                   report.analysis.converged ? "" : ": did not come to rest", "\n");
   if (!report.left_out.empty()) {
     const std::vector<std::string> shown(
-        report.left_out.begin(),
-        report.left_out.begin() +
-            static_cast<std::ptrdiff_t>(std::min(report.left_out.size(), kNamed)));
+        report.left_out.begin(), report.left_out.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                               report.left_out.size(), kNamed)));
     absl::StrAppend(&text, "left out, as not every set has them: ", absl::StrJoin(shown, ", "),
                     report.left_out.size() > kNamed
                         ? absl::StrCat(" and ", report.left_out.size() - kNamed, " more")

@@ -37,6 +37,9 @@ absl::Status CheckStart(const JobSpec& spec) {
   if (spec.pose != PoseMode::kNone) {
     return Refused("pose", Quoted(PoseModeName(spec.pose)), "\"none\"");
   }
+  if (spec.symmetric_copies) {
+    return Refused("symmetric_copies", "true", "false");
+  }
   if (spec.undersampling.method != UndersamplingMethod::kNone) {
     return Refused("undersampling.method", Quoted(UndersamplingName(spec.undersampling.method)),
                    "\"none\"");

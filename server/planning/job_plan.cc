@@ -66,7 +66,8 @@ absl::StatusOr<std::unique_ptr<JobPlan>> JobPlan::Create(const JobSpec& spec,
   state.spec = spec;
   COHORT_ASSIGN_OR_RETURN(state.base, FindBase(spec.base, meshes));
   for (const SetMesh& mesh : meshes) {
-    state.meshes.push_back({.mesh = mesh, .ingested = std::nullopt, .copy = std::nullopt, .rejection = {}});
+    state.meshes.push_back(
+        {.mesh = mesh, .ingested = std::nullopt, .copy = std::nullopt, .rejection = {}});
   }
   COHORT_RETURN_IF_ERROR(AddKnown(known, state.meshes));
   state.active.resize(meshes.size());

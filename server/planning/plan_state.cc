@@ -77,8 +77,8 @@ absl::Status PlanState::ChooseBase() {
   }
   const JobMesh& chosen = meshes[static_cast<size_t>(base)];
   if (!chosen.rejection.empty()) {
-    return absl::FailedPreconditionError(absl::StrCat("the base mesh ", chosen.mesh.name,
-                                                      " cannot be used: ", chosen.rejection));
+    return absl::FailedPreconditionError(
+        absl::StrCat("the base mesh ", chosen.mesh.name, " cannot be used: ", chosen.rejection));
   }
   reference = BlobOf(base);
   return absl::OkStatus();

@@ -60,7 +60,9 @@ def processes_with(argument):
     return ids
 
 
-class EndToEnd(unittest.TestCase):
+class ProgramTest(unittest.TestCase):
+    """A small cohort, a folder for each test, and processes that end with it."""
+
     @classmethod
     def setUpClass(cls):
         cls.base = pathlib.Path(tempfile.mkdtemp(prefix="cohort-e2e-"))
@@ -108,6 +110,16 @@ class EndToEnd(unittest.TestCase):
         self.assertEqual(result.returncode, code, result.stdout + result.stderr)
         return result
 
+    def check_error(self, result, code, *words):
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        lines = [line for line in result.stderr.splitlines() if line.startswith("cohort: ")]
+        lines = [line for line in lines if "logs are in" not in line]
+        self.assertEqual(len(lines), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, lines[0])
+
+
+class EndToEnd(ProgramTest):
     # ---- the main job
 
     def test_each_method_finds_the_same_person(self):
@@ -307,14 +319,6 @@ class EndToEnd(unittest.TestCase):
         self.assertIn("cannot listen on " + address, same_port.stderr)
 
     # ---- bad input: one clear line, a non-zero exit, nothing else lost
-
-    def check_error(self, result, code, *words):
-        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
-        lines = [line for line in result.stderr.splitlines() if line.startswith("cohort: ")]
-        lines = [line for line in lines if "logs are in" not in line]
-        self.assertEqual(len(lines), 1, result.stderr)
-        for word in words:
-            self.assertIn(word, lines[0])
 
     def test_folders_without_meshes(self):
         empty = self.dir / "empty"

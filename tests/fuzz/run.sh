@@ -1,12 +1,12 @@
 #!/bin/bash
 # Builds the libFuzzer targets with clang and sanitizers, and runs them one after the other.
-#   tests/fuzz/run.sh [--seconds S] [--target obj|ply|stl|draco]
+#   tests/fuzz/run.sh [--seconds S] [--target obj|ply|stl|draco|landmarks]
 # Seeds lie in tests/fuzz/corpus; what the fuzzers find grows in build/fuzz/corpus, and inputs that
 # break something are left in build/fuzz/artifacts. Exit status 1 if there is one.
 set -euo pipefail
 
 seconds=20
-targets=(obj ply stl draco)
+targets=(obj ply stl draco landmarks)
 while (($# > 0)); do
   case "$1" in
     --seconds) seconds="$2" ;;

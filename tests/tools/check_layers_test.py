@@ -77,6 +77,7 @@ class Layers(unittest.TestCase):
         homes = {"sqlite3.h": "server/catalog", "soci/soci.h": "server/catalog",
                  "nanoflann.hpp": "common/geometry/nearest",
                  "draco/mesh/mesh.h": "common/geometry/io", "cairo.h": "common/report",
+                 "pugixml.hpp": "common/geometry/io", "zstd.h": "common/geometry/comparison",
                  "cairo/cairo.h": "common/report"}
         for header, place in homes.items():
             line = f"#include <{header}>\n"

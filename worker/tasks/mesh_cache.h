@@ -23,8 +23,8 @@
 
 namespace cohort {
 
-/// Decoded meshes, their packed forms and landmark tables, shared by the slots of a worker; the least recently used
-/// go first when the limit is reached. Thread-safe.
+/// Decoded meshes, their packed forms and landmark tables, shared by the slots of a worker; the
+/// least recently used go first when the limit is reached. Thread-safe.
 class MeshCache {
  public:
   /// @param max_bytes  kept; what is in use may exceed it.

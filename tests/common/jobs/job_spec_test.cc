@@ -22,7 +22,9 @@ JobSpec UnusualSpec() {
   spec.method = Method::kEach;
   spec.base = "b \"quoted\".ply";
   spec.rounds = 7;
-  spec.pose = PoseMode::kNone;
+  spec.pose = PoseMode::kLandmarks;
+  spec.landmarks = Sha256::Of("landmarks");
+  spec.symmetric_copies = true;
   spec.icp.scale_mode = ScaleMode::kOff;
   spec.icp.max_iterations = 13;
   spec.icp.tolerance = 0.1 + 0.2;
@@ -61,7 +63,9 @@ TEST(JobSpecJson, RoundTripsThroughTextWithoutLosingABit) {
   EXPECT_EQ(spec->method, Method::kEach);
   EXPECT_EQ(spec->base, expected.base);
   EXPECT_EQ(spec->rounds, 7);
-  EXPECT_EQ(spec->pose, PoseMode::kNone);
+  EXPECT_EQ(spec->pose, PoseMode::kLandmarks);
+  EXPECT_EQ(spec->landmarks, expected.landmarks);
+  EXPECT_TRUE(spec->symmetric_copies);
   EXPECT_EQ(spec->icp.scale_mode, ScaleMode::kOff);
   EXPECT_EQ(spec->icp.max_iterations, 13);
   EXPECT_EQ(spec->icp.tolerance, 0.1 + 0.2);
@@ -142,6 +146,16 @@ INSTANTIATE_TEST_SUITE_P(
         BadValue{"position_bits is 7, expected 8 to 30",
                  [](JobSpec& spec) { spec.position_bits = 7; }},
         BadValue{"position_bits is 31", [](JobSpec& spec) { spec.position_bits = 31; }},
+        BadValue{"landmarks is empty, expected a blob with the pose",
+                 [](JobSpec& spec) { spec.pose = PoseMode::kLandmarks; }},
+        BadValue{"landmarks is a blob, expected a blob with the pose",
+                 [](JobSpec& spec) { spec.landmarks = Sha256::Of("x"); }},
+        BadValue{"pose is \"landmarks\", expected another with the method",
+                 [](JobSpec& spec) {
+                   spec.pose = PoseMode::kLandmarks;
+                   spec.landmarks = Sha256::Of("x");
+                   spec.method = Method::kNone;
+                 }},
         BadValue{"size_ratio_limit is 1, expected 0 (not checked) or more than 1",
                  [](JobSpec& spec) { spec.size_ratio_limit = 1; }},
         BadValue{"size_ratio_limit is -5", [](JobSpec& spec) { spec.size_ratio_limit = -5; }},
@@ -190,7 +204,7 @@ TEST(JobSpecNames, AreTheInverseOfEachOther) {
   for (const Method method : {Method::kAverage, Method::kOne, Method::kEach, Method::kNone}) {
     EXPECT_EQ(MethodFromName(MethodName(method)), method);
   }
-  for (const PoseMode pose : {PoseMode::kPrincipalAxes, PoseMode::kNone}) {
+  for (const PoseMode pose : {PoseMode::kPrincipalAxes, PoseMode::kNone, PoseMode::kLandmarks}) {
     EXPECT_EQ(PoseModeFromName(PoseModeName(pose)), pose);
   }
   for (const Symmetrization value :

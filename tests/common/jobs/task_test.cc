@@ -51,6 +51,7 @@ TaskResult SomeResult() {
                  .surface_area = 1e5 / 9,
                  .point_cloud = true,
                  .warnings = {"a", "b \n c"}};
+  result.copies = {{6, Sha256::Of("copy"), 0.1 + 0.2}};
   result.rejections = {{5, "x.ply: line 3: not a number"}};
   result.counters = SomeCounters();
   result.seconds = std::nextafter(1.5, 2.0);
@@ -64,6 +65,7 @@ TEST(TaskResultJson, RoundTripsThroughTextWithoutLosingABit) {
   EXPECT_EQ(result->output, expected.output);
   EXPECT_EQ(result->second_output, expected.second_output);
   EXPECT_EQ(result->placed, expected.placed);
+  EXPECT_EQ(result->copies, expected.copies);
   EXPECT_EQ(result->rejections, expected.rejections);
   EXPECT_EQ(result->counters, expected.counters);
   EXPECT_EQ(result->seconds, std::nextafter(1.5, 2.0));

@@ -181,35 +181,39 @@ TEST(NeighboursCsv, HasNoPersonColumnsWhenNobodyIsKnown) {
 TEST(MeshesCsv, HasARowForEveryMeshAlsoForRejectedOnes) {
   JobMesh rejected = Mesh("b.ply", {{"age", "30"}});
   rejected.rejection = "b.ply: face 17 uses vertex 5120 of 5000";
-  const std::vector<JobMesh> meshes = {AcceptedMesh(), rejected};
+  std::vector<JobMesh> meshes = {AcceptedMesh(), rejected};
+  meshes[0].copy = SymmetricCopy{.index = 0, .blob = {}, .asymmetry = 0.375};
+  MeshAlignment pose;
+  pose.alignment.rms_residual = 2.5;
   EXPECT_EQ(
-      MeshesCsv(meshes, std::vector{QuarterTurn(0)}),
+      MeshesCsv(meshes, std::vector{QuarterTurn(0)}, std::vector{pose}),
       "file,status,reason,age,person,sex,sha256,size_bytes,vertices,faces,file_vertices,file_faces,"
       "duplicate_vertices,unreferenced_vertices,degenerate_faces,duplicate_faces,"
       "non_manifold_edges,components,largest_component_share,boundary_share,diagonal,rms_radius,"
       "surface_area,point_cloud,warnings,iterations,converged,rms_residual,mean_residual,scale,"
-      "at_scale_limit,overlap,kept_share\r\n"
+      "at_scale_limit,overlap,kept_share,pose_rms,asymmetry\r\n"
       "a.ply,ok,,NA,1,f," +
           Sha256::Of("a.ply").Hex() +
           ",1234,10,16,12,17,1,2,3,4,5,6,0.97,0.125,200.5,70.25,30000,FALSE,"
           "\"6 components; the largest has 97 %; small, "
-          "torn\",17,TRUE,0.5,0.25,1.5,TRUE,0.75,0.875\r\n"
+          "torn\",17,TRUE,0.5,0.25,1.5,TRUE,0.75,0.875,2.5,0.375\r\n"
           "b.ply,rejected,b.ply: face 17 uses vertex 5120 of 5000,30,NA,NA," +
           Sha256::Of("b.ply").Hex() +
-          ",1234,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA\r\n");
+          ",1234,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,NA,"
+          "NA\r\n");
 }
 
 TEST(MeshesCsv, RenamesLabelsThatAreColumnsAlready) {
   const std::vector<JobMesh> meshes = {Mesh("a.ply", {{"scale", "x"}, {"file", "y"}})};
-  EXPECT_THAT(MeshesCsv(meshes, {}),
+  EXPECT_THAT(MeshesCsv(meshes, {}, {}),
               StartsWith("file,status,reason,label_file,label_scale,sha256"));
 }
 
 TEST(MeshesCsv, FindsTheAlignmentByTheIndexOfTheMesh) {
   const std::vector<JobMesh> meshes = {AcceptedMesh(), AcceptedMesh()};
-  const Table table = ParseCsv(MeshesCsv(meshes, std::vector{QuarterTurn(1)}));
-  EXPECT_EQ(table[1].back(), "NA");
-  EXPECT_EQ(table[2].back(), "0.875");
+  const Table table = ParseCsv(MeshesCsv(meshes, std::vector{QuarterTurn(1)}, {}));
+  EXPECT_EQ(table[1].end()[-3], "NA");
+  EXPECT_EQ(table[2].end()[-3], "0.875");
 }
 
 TEST(TransformsCsv, WritesTheRotationRowByRow) {

@@ -96,6 +96,7 @@ TEST(Convert, ATaskSurvivesTheWay) {
   task.counts_reference_index = true;
   task.moves_reference = true;
   task.frame_center = {0.1, 0.2, 0.3};
+  task.landmarks = Sha256::Of("landmarks");
   const auto back = FromProto(ToProto(task));
   ASSERT_THAT(back, IsOk());
   EXPECT_EQ(ToProto(*back).SerializeAsString(), ToProto(task).SerializeAsString());
@@ -107,12 +108,14 @@ TEST(Convert, ATaskSurvivesTheWay) {
   EXPECT_EQ(back->compare, task.compare);
   EXPECT_EQ(back->arithmetic, Arithmetic::kFidentis);
   EXPECT_TRUE(back->wants_placed);
+  EXPECT_EQ(back->landmarks, task.landmarks);
 }
 
 TEST(Convert, ATaskResultSurvivesTheWay) {
   TaskResult result;
   result.output = Sha256::Of("out");
   result.ingested = {UnusualIngested()};
+  result.copies = {{.index = 7, .blob = Sha256::Of("copy"), .asymmetry = 0.3}};
   result.rejections = {{.index = 4, .reason = "broken"}};
   result.counters.align = {.index_builds = 1, .lookups = 2};
   result.counters.pairs = 9;
@@ -153,12 +156,14 @@ TEST(Convert, AJobAndItsMeshesSurviveTheWay) {
   mesh.mesh = {
       .name = "a.ply", .raw = Sha256::Of("raw"), .size_bytes = 3, .labels = {{"person", "p"}}};
   mesh.ingested = UnusualIngested();
+  mesh.copy = SymmetricCopy{.index = 3, .blob = Sha256::Of("copy"), .asymmetry = 0.25};
   mesh.rejection = "late";
   const auto mesh_back = FromProto(ToProto(mesh));
   ASSERT_THAT(mesh_back, IsOk());
   EXPECT_EQ(mesh_back->mesh.labels, mesh.mesh.labels);
   EXPECT_EQ(mesh_back->ingested->health.warnings, mesh.ingested->health.warnings);
   EXPECT_EQ(mesh_back->rejection, "late");
+  EXPECT_EQ(mesh_back->copy, mesh.copy);
 }
 
 TEST(Convert, UnknownEnumerationsAndDigestsAreNamed) {

@@ -175,10 +175,12 @@ TEST_F(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
                               .variation_shape = Sha256::Of("7"),
                               .fields = {Sha256::Of("5")},
                               .base_choice = Sha256::Of("6"),
-                              .preview = {Sha256::Of("7")}};
+                              .preview = {Sha256::Of("7")},
+                              .poses = {Sha256::Of("8"), Sha256::Of("9")}};
   std::vector<JobMesh> meshes = catalog_->GetJobMeshes(job.id).value();
   meshes[0].rejection = "line 7: NaN";
   meshes[1].ingested = SomeIngested("b");
+  meshes[1].copy = SymmetricCopy{.index = 1, .blob = Sha256::Of("copy"), .asymmetry = 0.125};
 
   ASSERT_THAT(catalog_->FinishJob(job, outputs, meshes), IsOk());
   Reopen();
@@ -192,6 +194,7 @@ TEST_F(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
   EXPECT_EQ(found.variation_shape, outputs.variation_shape);
   EXPECT_EQ(found.fields, outputs.fields);
   EXPECT_EQ(found.base_choice, outputs.base_choice);
+  EXPECT_EQ(found.poses, outputs.poses);
   const std::vector<JobMesh> fates = catalog_->GetJobMeshes(job.id).value();
   ASSERT_EQ(fates.size(), 2u);
   EXPECT_EQ(fates[0].rejection, "line 7: NaN");
@@ -199,6 +202,8 @@ TEST_F(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
   ASSERT_TRUE(fates[1].ingested.has_value());
   EXPECT_EQ(fates[1].ingested->blob, SomeIngested("b").blob);
   EXPECT_EQ(fates[1].ingested->index, 1);
+  EXPECT_EQ(fates[1].copy, meshes[1].copy);
+  EXPECT_FALSE(fates[0].copy.has_value());
 }
 
 TEST_F(CatalogJobsTest, ChangesNothingWhenAJobIsFinishedWithMeshesItDoesNotHave) {

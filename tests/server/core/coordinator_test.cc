@@ -100,6 +100,40 @@ class CoordinatorTest : public ::testing::Test {
   std::unique_ptr<Coordinator> coordinator_;
 };
 
+TEST_F(CoordinatorTest, RefusesLandmarksThatAreNotInTheStore) {
+  AddScans(2, 1);
+  JobSpec spec;
+  spec.pose = PoseMode::kLandmarks;
+  spec.landmarks = Sha256::Of("never written");
+  const auto refused = coordinator_->CreateJob("set", spec, "");
+  EXPECT_THAT(refused, StatusIs(absl::StatusCode::kFailedPrecondition, spec.landmarks.Hex()));
+  EXPECT_EQ(ErrorReason(refused.status()), "BLOB_MISSING");
+}
+
+TEST_F(CoordinatorTest, GoesOnWithSymmetricCopiesAfterARestartAndKeepsTheOriginals) {
+  AddScans(3, 1);
+  JobSpec spec;
+  spec.method = Method::kOne;
+  spec.icp.max_iterations = 3;
+  const Job plain = *coordinator_->CreateJob("set", spec, "");
+  Work("w");
+  spec.symmetric_copies = true;
+  const Job calm = *coordinator_->CreateJob("set", spec, "");
+  Work("w");
+  const Job broken_off = *coordinator_->CreateJob("set", spec, "");
+  ASSERT_EQ(Work("w", 4), 4);  // Ingest is known; the copies are made, and one pose.
+  Restart();
+  Work("w");
+  EXPECT_EQ(coordinator_->GetOutputs(broken_off.id)->tiles,
+            coordinator_->GetOutputs(calm.id)->tiles);
+  EXPECT_NE(coordinator_->GetOutputs(plain.id)->tiles, coordinator_->GetOutputs(calm.id)->tiles);
+  EXPECT_TRUE(coordinator_->GetJobMeshes(broken_off.id)->at(2).copy.has_value());
+  spec.symmetric_copies = false;
+  const Job again = *coordinator_->CreateJob("set", spec, "");
+  Work("w");
+  EXPECT_EQ(coordinator_->GetOutputs(again.id)->tiles, coordinator_->GetOutputs(plain.id)->tiles);
+}
+
 TEST_F(CoordinatorTest, RunsAJobToItsEnd) {
   AddScans(3, 1);
   const Job job = Submit();

@@ -77,9 +77,12 @@ class FakeJob {
         result.rejections.push_back({mesh.index, rejection->second});
       } else if (task.kind == TaskKind::kIngest) {
         result.ingested.push_back(Ingested(mesh.index));
+      } else if (task.kind == TaskKind::kSymmetrize) {
+        result.copies.push_back(
+            {mesh.index, Name(names_[static_cast<size_t>(mesh.index)] + "*"), 0.5});
       }
     }
-    if (task.kind != TaskKind::kIngest) {
+    if (task.kind != TaskKind::kIngest && task.kind != TaskKind::kSymmetrize) {
       result.output = Name(name);
     }
     if (task.wants_displacement || task.kind == TaskKind::kAlignAndCompare ||
@@ -170,6 +173,9 @@ class FakeJob {
     }
     if (!task.partials.empty()) {
       absl::StrAppend(&line, " | of ", NamesOf(task.partials));
+    }
+    if (!task.landmarks.empty()) {
+      absl::StrAppend(&line, " | by ", NameOf(task.landmarks));
     }
     std::vector<std::string> flags;
     if (task.arithmetic == Arithmetic::kFidentis) flags.emplace_back("fidentis");

@@ -231,6 +231,46 @@ TEST(Rejections, OfTheNamedBaseAtIngestFailAnyJob) {
   }
 }
 
+TEST(Rejections, OfSymmetricCopiesFailTheJobOnlyIfTheBaseOrAllButOneGo) {
+  JobSpec spec = SpecOf(Method::kAverage);
+  spec.symmetric_copies = true;
+  FakeJob few(2);
+  few.RejectIn("symmetrize", 0, "no plane");
+  const auto alone = few.Plan(spec, few.AllIndices());
+  absl::Status status;
+  (void)few.RunReady(*alone, &status);
+  EXPECT_THAT(status, StatusIs(kFailed, "of 2 only 1 can be used: a.ply: no plane"));
+  FakeJob many(4);
+  many.RejectIn("symmetrize", 1, "no plane");
+  spec.base = "b.ply";
+  const auto baseless = many.Plan(spec, many.AllIndices());
+  (void)many.RunReady(*baseless, &status);
+  EXPECT_THAT(status, StatusIs(kFailed, "the base mesh b.ply cannot be used: no plane"));
+}
+
+TEST(TaskFinished, RefusesSymmetricCopiesThatAreNotTheTasks) {
+  FakeJob job(2);
+  JobSpec spec = SpecOf(Method::kOne);
+  spec.symmetric_copies = true;
+  const auto plan = job.Plan(spec, job.AllIndices());
+  const Task task = plan->TakeReadyTasks().at(0);
+  const TaskResult good = job.ResultOf(task);
+  TaskResult bad = good;
+  bad.copies.clear();
+  EXPECT_THAT(plan->TaskFinished(task.number, bad),
+              StatusIs(kInvalid, "1 meshes are neither copied nor rejected"));
+  bad = good;
+  bad.copies[0].index = 1;
+  EXPECT_THAT(plan->TaskFinished(task.number, bad), StatusIs(kInvalid, "mesh 1 is not of it"));
+  bad = good;
+  bad.copies[0].blob = Digest();
+  EXPECT_THAT(plan->TaskFinished(task.number, bad), StatusIs(kInvalid, "mesh 0 without a blob"));
+  bad = good;
+  bad.rejections = {{0, "both"}};
+  EXPECT_THAT(plan->TaskFinished(task.number, bad), StatusIs(kInvalid, "there twice"));
+  EXPECT_THAT(plan->TaskFinished(task.number, good), IsOk());
+}
+
 TEST(Rejections, OfTheFirstMeshMakeTheNextOneTheBaseWhenNoneIsNamed) {
   FakeJob job(4);
   job.RejectIn("ingest", 0, "no faces");

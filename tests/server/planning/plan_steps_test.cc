@@ -188,6 +188,83 @@ TEST(PlanToNone, IsThisForThreeMeshes) {
   EXPECT_THAT(plan->Outputs().alignments, IsEmpty());
 }
 
+TEST(PlanWithLandmarks, PosesByThemToTheBaseMesh) {
+  FakeJob job(2);
+  JobSpec spec = SpecOf(Method::kEach, PoseMode::kLandmarks);
+  spec.base = "b.ply";
+  spec.landmarks = job.Name("landmarks");
+  const auto plan = job.Plan(spec);
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",                                         //
+                          "1 ingest: b raw",                                         //
+                          "--",                                                      //
+                          "2 pose: a x b | to b | by landmarks | counts index",      //
+                          "3 pose: b x b | to b | by landmarks",                     //
+                          "--",                                                      //
+                          "4 compare: a b x a | from pose#2 pose#3 | counts index",  //
+                          "5 compare: a b x b | from pose#2 pose#3 | counts index",  //
+                          "--",                                                      //
+                          "6 variation: a | to b | from compare#5+",                 //
+                          "7 variation: b | to b | from compare#5+",                 //
+                          "--",                                                      //
+                          "8 summarize: | to b | of variation#6 variation#7 | moves reference"));
+  EXPECT_EQ(job.NamesOf(plan->Outputs().poses), "pose#2 pose#3");
+}
+
+TEST(PlanWithLandmarks, ChoosesTheBaseByThemToo) {
+  FakeJob job(3);
+  JobSpec spec = SpecOf(Method::kOne, PoseMode::kLandmarks);
+  spec.base_rule = BaseRule::kAuto;
+  spec.landmarks = job.Name("landmarks");
+  const auto plan = job.Plan(spec);
+  job.RunUntil(*plan, "base");
+  const std::vector<Task> ready = plan->TakeReadyTasks();
+  ASSERT_EQ(ready.size(), 1u);
+  EXPECT_EQ(job.Line(ready[0]), "3 base: a b c | by landmarks");
+}
+
+TEST(PlanWithSymmetricCopies, PutsThemInThePlaceOfTheMeshes) {
+  FakeJob job(2);
+  JobSpec spec = SpecOf(Method::kOne);
+  spec.symmetric_copies = true;
+  const auto plan = job.Plan(spec);
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",                                   //
+                          "1 ingest: b raw",                                   //
+                          "--",                                                //
+                          "2 symmetrize: a",                                   //
+                          "3 symmetrize: b",                                   //
+                          "--",                                                //
+                          "4 pose: a* | to a* | counts index",                 //
+                          "5 pose: b* | to a*",                                //
+                          "--",                                                //
+                          "6 align: a* | to a* | from pose#4 | counts index",  //
+                          "7 align: b* | to a* | from pose#5",                 //
+                          "--",                                                //
+                          "8 compare: a* x a* | from align#6",                 //
+                          "9 compare: a* x b* | from align#6 align#7",         //
+                          "10 compare: b* x b* | from align#7",                //
+                          "11 variation: a* | to a* | from align#6",           //
+                          "12 variation: b* | to a* | from align#7",           //
+                          "--",                                                //
+                          "13 summarize: | to a* | of variation#11 variation#12 "
+                          "| moves reference"));
+  EXPECT_EQ(plan->Meshes()[1].copy->asymmetry, 0.5);
+  EXPECT_EQ(job.NameOf(plan->Meshes()[1].ingested->blob), "b") << "the mesh stays what it is";
+}
+
+TEST(PlanWithSymmetricCopies, LooksForTheNextBaseIfTheFirstHasNone) {
+  FakeJob job(3);
+  JobSpec spec = SpecOf(Method::kOne);
+  spec.symmetric_copies = true;
+  job.RejectIn("symmetrize", 0);
+  const auto plan = job.Plan(spec, job.AllIndices());
+  (void)job.RunReady(*plan);
+  EXPECT_THAT(job.RunReady(*plan), ElementsAre("6 pose: b* | to b* | counts index",  //
+                                               "7 pose: c* | to b*"));
+  EXPECT_EQ(plan->Meshes()[0].rejection, "it is broken");
+}
+
 struct Size {
   Method method;
   int meshes;

@@ -66,8 +66,7 @@ TEST(MirroredMesh, WorksForAPointCloud) {
 
 TEST(SymmetrizeMesh, LeavesASymmetricMeshAsItIs) {
   const TriangleMesh mesh = SymmetricSurface();
-  const TriangleMesh symmetrized =
-      SymmetrizeMesh(mesh, Similarity(), Correspondence::kVertex).mesh;
+  const TriangleMesh symmetrized = SymmetrizeMesh(mesh, Similarity(), Correspondence::kVertex).mesh;
   EXPECT_LT((symmetrized.vertices - mesh.vertices).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_EQ(symmetrized.faces, mesh.faces);
 }
@@ -78,8 +77,7 @@ TEST(SymmetrizeMesh, HalvesAnAsymmetryThatStaysOnItsSide) {
   const Eigen::Index left = 4 * 21 + 10;
   const Eigen::Index right = 16 * 21 + 10;
   mesh.vertices(2, left) += 2;
-  const TriangleMesh symmetrized =
-      SymmetrizeMesh(mesh, Similarity(), Correspondence::kVertex).mesh;
+  const TriangleMesh symmetrized = SymmetrizeMesh(mesh, Similarity(), Correspondence::kVertex).mesh;
   EXPECT_NEAR(symmetrized.vertices(2, left), even.vertices(2, left) + 1, 1e-9);
   EXPECT_NEAR(symmetrized.vertices(2, right), even.vertices(2, right) + 1, 1e-9);
 }
@@ -147,8 +145,8 @@ TriangleMesh FaceWithAsymmetry(double asymmetry, uint64_t seed, double max_rotat
   FaceParameters parameters = DrawPerson(seed, 1);
   parameters.identity.asymmetry = asymmetry;
   parameters.bumps = {};
-  TriangleMesh mesh = CaptureFace(ProceduralFace(parameters), seed,
-                                  {.vertices = 4000, .noise = 0.02, .warp = 0});
+  TriangleMesh mesh =
+      CaptureFace(ProceduralFace(parameters), seed, {.vertices = 4000, .noise = 0.02, .warp = 0});
   const CapturePose pose = DrawPose(seed, {.max_rotation_degrees = max_rotation_degrees});
   mesh.vertices = pose.T_file_canonical.Apply(mesh.vertices);
   return mesh;
@@ -198,7 +196,7 @@ TEST(MakeSymmetric, RefusesAMeshWithoutExtent) {
   TriangleMesh point;
   point.vertices = Eigen::Matrix3Xd::Constant(3, 5, 1);
   EXPECT_THAT(MakeSymmetric(point, {}, search),
-              testing::StatusIs(absl::StatusCode::kFailedPrecondition));
+              testing::StatusIs(absl::StatusCode::kFailedPrecondition, "extent"));
 }
 
 }  // namespace
