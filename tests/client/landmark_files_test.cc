@@ -13,7 +13,6 @@ namespace cohort {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using testing::IsOk;
 using testing::StatusIs;
 

@@ -64,7 +64,7 @@ Scans MakeScans(BlobStore& store, Axes axes) {
   Eigen::Matrix3d stretch = Eigen::Matrix3d::Identity();
   Scans scans;
   for (int scan = 0; scan < kScans; ++scan) {
-    const auto seed = static_cast<uint64_t>(10 + scan);
+    const uint64_t seed = 10 + static_cast<uint64_t>(scan);
     TriangleMesh mesh = CaptureFace(face, seed, {.vertices = 1500, .noise = 0.02, .warp = 0});
     if (axes == Axes::kAllAlike && scan == 0) {
       stretch = Evener(mesh.vertices);
