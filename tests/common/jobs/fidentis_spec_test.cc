@@ -78,6 +78,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadValue{"base_rule is \"auto\"", [](JobSpec& spec) { spec.base_rule = BaseRule::kAuto; }},
         BadValue{"mean_tolerance is 0.5", [](JobSpec& spec) { spec.mean_tolerance = 0.5; }},
         BadValue{"preview is true", [](JobSpec& spec) { spec.preview = true; }},
+        BadValue{"symmetric_copies is true", [](JobSpec& spec) { spec.symmetric_copies = true; }},
         BadValue{"pose is \"principal-axes\"",
                  [](JobSpec& spec) { spec.pose = PoseMode::kPrincipalAxes; }},
         BadValue{"undersampling.method is \"random\"",
