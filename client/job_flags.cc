@@ -148,7 +148,9 @@ void JobFlags::AddAlignmentOptionsTo(CLI::App& command) {
   add("--align-boundary", align_boundary,
       "pairs on the open boundary of the reference: keep or reject in ICP [keep]");
   add("--correspondence", correspondence,
-      "ICP pairs a vertex with the nearest vertex or the nearest point of the surface [vertex]");
+      "ICP and mean shape pair a vertex with the nearest vertex or the nearest point of the "
+      "surface "
+      "[vertex]");
   add("--undersample", undersample,
       "vertices that take part in ICP: none, random:SHARE, random:COUNT, disk:RADIUS (mm), "
       "curvature:SHARE, curvature:COUNT [none: all]");

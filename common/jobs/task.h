@@ -64,7 +64,7 @@ struct Task {
   Digest landmarks;  ///< kPose, kChooseBase: landmark blob; empty: poses by shape.
 
   IcpOptions icp;                      ///< kAlign, kAlignAndCompare, kChooseBase, kSymmetrize;
-                                       ///< kPose with landmarks: its scale mode and limit.
+                                       ///< kVariation: correspondence; kPose: scale mode, limit.
   UndersamplingOptions undersampling;  ///< kAlign, kAlignAndCompare.
   CompareOptions compare;              ///< kCompare, kAlignAndCompare.
   int position_bits = 18;              ///< kIngest; 0: as in the file.

@@ -26,6 +26,7 @@ class VariationStage final : public Stage {
     made.kind = TaskKind::kVariation;
     made.meshes = state.TaskMeshes(batch.meshes);
     made.reference = state.reference;
+    made.icp.correspondence = state.spec.icp.correspondence;
     made.wants_displacement = displacement_ == Displacement::kWanted;
     if (!batch.alignment.empty()) {
       made.alignments = {batch.alignment};

@@ -9,6 +9,7 @@
 #include "common/geometry/registration/mean_shape.h"
 #include "common/jobs/blobs.h"
 #include "common/store/mesh_blob.h"
+#include "worker/tasks/displacement_finder.h"
 #include "worker/tasks/pose_finder.h"
 
 namespace cohort {
@@ -56,7 +57,9 @@ absl::StatusOr<TaskResult> RunPoseTask(const Task& task, const TaskContext& cont
 }
 
 absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& context) {
-  COHORT_ASSIGN_OR_RETURN(const auto reference, context.meshes.Get(task.reference));
+  COHORT_ASSIGN_OR_RETURN(
+      DisplacementFinder displacements,
+      DisplacementFinder::Create(task.reference, task.icp.correspondence, context));
   COHORT_ASSIGN_OR_RETURN(const auto starts, LoadAlignments(context.store, task.alignments));
   COHORT_ASSIGN_OR_RETURN(const auto target,
                           context.meshes.GetIcpTarget(task.reference, task.icp.correspondence));
@@ -65,12 +68,10 @@ absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& con
   result.counters.align.index_builds = task.counts_reference_index ? 1 : 0;
   std::vector<MeshAlignment> alignments;
   DisplacementSum displacement;
-  displacement.sum = Eigen::Matrix3Xd::Zero(3, reference->VertexCount());
+  displacement.sum = Eigen::Matrix3Xd::Zero(3, displacements.VertexCount());
   for (const TaskMesh& input : task.meshes) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
-    COHORT_ASSIGN_OR_RETURN(const auto mesh, context.meshes.Get(input.blob));
     COHORT_ASSIGN_OR_RETURN(const Similarity start, SimilarityOf(starts, input));
-    COHORT_ASSIGN_OR_RETURN(const auto source, context.meshes.GetIcpMesh(input.blob));
     const absl::StatusOr<Alignment> aligned =
         AlignMesh(task, input, *target, start, context, search);
     if (!aligned.ok()) {
@@ -82,10 +83,11 @@ absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& con
     result.counters.align.lookups += aligned->lookups;
     alignments.push_back({.mesh = input.index, .alignment = *aligned});
     if (task.wants_displacement) {
-      displacement.sum += DisplacementToMesh(reference->vertices, *target, mesh->vertices, *source,
-                                             aligned->T_target_source, search);
+      COHORT_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd found,
+                              displacements.Find(input.blob, aligned->T_target_source));
+      displacement.sum += found;
       ++displacement.mesh_count;
-      result.counters.average += {.index_builds = 1, .lookups = reference->VertexCount()};
+      result.counters.average += {.index_builds = 1, .lookups = displacements.VertexCount()};
     }
   }
   COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeAlignmentBlob(alignments)));

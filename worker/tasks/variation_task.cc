@@ -10,15 +10,16 @@
 #include "common/jobs/blobs.h"
 #include "common/jobs/preview_blobs.h"
 #include "common/store/mesh_blob.h"
+#include "worker/tasks/displacement_finder.h"
 
 namespace cohort {
 
 absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext& context) {
-  COHORT_ASSIGN_OR_RETURN(const auto reference, context.meshes.Get(task.reference));
+  COHORT_ASSIGN_OR_RETURN(
+      DisplacementFinder displacements,
+      DisplacementFinder::Create(task.reference, task.icp.correspondence, context));
   COHORT_ASSIGN_OR_RETURN(const auto alignments, LoadAlignments(context.store, task.alignments));
-  COHORT_ASSIGN_OR_RETURN(const auto queries, context.meshes.GetIcpMesh(task.reference));
-  PacketSearch search;
-  const int64_t n = reference->VertexCount();
+  const int64_t n = displacements.VertexCount();
   TaskResult result;
   CorrespondencePart correspondences{.meshes = {}, .fields = DisplacementFields(n)};
   VariationPart part;
@@ -27,11 +28,9 @@ absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext&
   for (size_t k = 0; k < task.meshes.size(); ++k) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
     const TaskMesh& input = task.meshes[k];
-    COHORT_ASSIGN_OR_RETURN(const auto mesh, context.meshes.Get(input.blob));
     COHORT_ASSIGN_OR_RETURN(const Similarity T_reference_mesh, SimilarityOf(alignments, input));
-    COHORT_ASSIGN_OR_RETURN(const auto target, context.meshes.GetIcpMesh(input.blob));
-    const Eigen::Matrix3Xd displacement = DisplacementToMesh(
-        reference->vertices, *queries, mesh->vertices, *target, T_reference_mesh, search);
+    COHORT_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd displacement,
+                            displacements.Find(input.blob, T_reference_mesh));
     part.distances.col(static_cast<Eigen::Index>(k)) =
         displacement.colwise().norm().transpose().cast<float>();
     part.displacement.sum += displacement;

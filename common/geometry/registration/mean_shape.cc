@@ -26,6 +26,26 @@ Eigen::Matrix3Xd DisplacementToMesh(const Eigen::Ref<const Eigen::Matrix3Xd>& re
   return displacement;
 }
 
+Eigen::Matrix3Xd DisplacementToSurface(const Eigen::Ref<const Eigen::Matrix3Xd>& reference,
+                                       const IcpMesh& packed_reference,
+                                       const IcpMesh& packed_source,
+                                       const Similarity& T_reference_source,
+                                       SurfaceSearch& search) {
+  assert(packed_source.Surface() != nullptr);
+  const PackedMesh& queries = packed_reference.Packed();
+  NearestOnSurface nearest;
+  search.FindMoved(queries,
+                   PackedTransform(T_reference_source.Inverse(), packed_reference, packed_source),
+                   *packed_source.Surface(), SearchSeed::kDescent, nearest);
+  Eigen::Matrix3Xd displacement(3, reference.cols());
+  for (int slot = 0; slot < queries.VertexCount(); ++slot) {
+    const int32_t k = queries.VertexOfSlot()[static_cast<size_t>(slot)];
+    const Eigen::Vector3d found = nearest.PointOfSlot(slot).cast<double>() + packed_source.Center();
+    displacement.col(k) = T_reference_source.ApplyToPoint(found) - reference.col(k);
+  }
+  return displacement;
+}
+
 Eigen::Matrix3Xd MoveByMeanDisplacement(const Eigen::Ref<const Eigen::Matrix3Xd>& reference,
                                         std::span<const Eigen::Matrix3Xd> partial_sums,
                                         int64_t mesh_count) {

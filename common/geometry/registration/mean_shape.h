@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "common/geometry/nearest/surface_search.h"
 #include "common/geometry/registration/icp_mesh.h"
 #include "common/geometry/registration/similarity.h"
 
@@ -24,6 +25,17 @@ namespace cohort {
     const IcpMesh& packed_source,
     const Similarity& T_reference_source,
     PacketSearch& search);
+
+/// The same to the nearest point of the surface of the mesh: does not depend on how dense its
+/// vertices are.
+///
+/// @param packed_source  with its surface (IcpMesh::WithSurface), source units.
+[[nodiscard]] Eigen::Matrix3Xd DisplacementToSurface(
+    const Eigen::Ref<const Eigen::Matrix3Xd>& reference,
+    const IcpMesh& packed_reference,
+    const IcpMesh& packed_source,
+    const Similarity& T_reference_source,
+    SurfaceSearch& search);
 
 /// reference_k + (1 / mesh_count) * sum of the partial sums, added in the given order.
 /// @param partial_sums  each 3 x n: sums of displacements of disjoint batches of meshes.

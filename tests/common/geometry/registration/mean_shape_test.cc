@@ -34,6 +34,24 @@ TEST(DisplacementToMesh, EqualsBruteForce) {
   EXPECT_TRUE(Displacement(reference, source, T).isApprox(expected, 1e-12));
 }
 
+TEST(DisplacementToSurface, OfATiltedPlaneIsTheDistanceToIt) {
+  // Two triangles that reach far beyond the reference; all their vertices are far away.
+  TriangleMesh plane;
+  plane.vertices.resize(3, 4);
+  plane.vertices << -500, 500, 500, -500, -500, -500, 500, 500, 0, 0, 0, 0;
+  plane.faces.resize(3, 2);
+  plane.faces << 0, 0, 1, 2, 2, 3;
+  const Similarity T = MakeSimilarity(1.2, 20, {1, 2, 0}, {1, 2, 3});
+  const Eigen::Vector3d normal = T.rotation * Eigen::Vector3d::UnitZ();
+  const Eigen::Matrix3Xd reference = BumpySurface(15).vertices.colwise() + Eigen::Vector3d(1, 2, 9);
+  SurfaceSearch search;
+  const Eigen::Matrix3Xd found =
+      DisplacementToSurface(reference, IcpMesh(reference), IcpMesh::WithSurface(plane), T, search);
+  const Eigen::RowVectorXd heights =
+      normal.transpose() * (reference.colwise() - T.ApplyToPoint(Eigen::Vector3d::Zero()));
+  EXPECT_LT((found + normal * heights).cwiseAbs().maxCoeff(), 1e-4);
+}
+
 TEST(DisplacementToMesh, IsZeroToTheMeshItself) {
   const Eigen::Matrix3Xd reference = BumpySurface(15).vertices;
   EXPECT_EQ(Displacement(reference, reference, {}), Eigen::Matrix3Xd::Zero(3, reference.cols()));
