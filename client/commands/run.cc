@@ -140,6 +140,7 @@ absl::StatusOr<RunInput> ReadInput(const RunFlags& flags) {
   }
   if (flags.spec.UsesLandmarks()) {
     std::vector<std::string> names;
+    names.reserve(paths.size());
     for (const std::filesystem::path& path : paths) {
       names.push_back(path.filename().string());
     }
