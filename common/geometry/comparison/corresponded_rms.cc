@@ -36,7 +36,7 @@ std::array<const float*, kFieldTile> SideAt(const DisplacementFields& fields,
 struct Tile {
   int64_t row = 0;
   int64_t column = 0;
-  std::array<double, kFieldTile * kFieldTile * kFieldLanes> lanes{};
+  std::array<double, kFieldTileLanes> lanes{};
 
   [[nodiscard]] double Product(int64_t i, int64_t j) const {
     const double* const begin = lanes.data() + (i * kFieldTile + j) * kFieldLanes;

@@ -21,6 +21,8 @@ inline constexpr int kFieldBins = 512;
 inline constexpr int kFieldTables = 4;
 /// Fields on each side of a tile of products.
 inline constexpr int kFieldTile = 4;
+/// Sums of a tile, kFieldLanes for each of its pairs.
+inline constexpr int64_t kFieldTileLanes = int64_t{kFieldTile} * kFieldTile * kFieldLanes;
 
 /// What the values are: squared distances (rooted on the way), distances, or signed distances.
 enum class FieldInput : uint8_t { kSquared, kAbsolute, kSigned };

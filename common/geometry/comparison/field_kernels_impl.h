@@ -233,7 +233,7 @@ struct FieldLoops {
       }
     }
     for (int pair = 0; pair < kPairs; ++pair) {
-      double* const at = lanes + pair * kFieldLanes;
+      double* const at = lanes + int64_t{pair} * kFieldLanes;
       Double low;
       Double high;
       LoadState(low, at);
@@ -252,7 +252,7 @@ struct FieldLoops {
       for (int lane = 0; lane < kFieldLanes; lane += Simd::kWidth) {
         for (int row = 0; row < kFieldTile; row += Simd::kTileRows) {
           AddTileBlock(a + row, b, first * kFieldLanes + lane, last * kFieldLanes,
-                       lanes + row * kFieldTile * kFieldLanes + lane);
+                       lanes + int64_t{row} * kFieldTile * kFieldLanes + lane);
         }
       }
     }

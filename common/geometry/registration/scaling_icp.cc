@@ -64,6 +64,13 @@ ScaleRule RuleFor(const IcpOptions& options, double start_scale) {
   return rule;
 }
 
+/// Passes with one rule for the scale.
+struct Phase {
+  ScaleRule rule;
+  StopRule stop;
+  double start_scale = 1;  ///< What a collapse is judged by.
+};
+
 /// How a phase ended.
 struct Outcome {
   bool converged = false;  ///< Else the iterations were used up.
@@ -71,13 +78,8 @@ struct Outcome {
 };
 
 /// Passes from `pose` until the stop rule holds; leaves the last fit in `pose`.
-absl::StatusOr<Outcome> Iterate(const ScaleRule& rule,
-                                const StopRule& stop,
-                                double start_scale,
-                                const IcpOptions& options,
-                                IcpRun& run,
-                                Similarity& pose,
-                                IcpTrace* trace) {
+absl::StatusOr<Outcome> Iterate(
+    const Phase& phase, const IcpOptions& options, IcpRun& run, Similarity& pose, IcpTrace* trace) {
   Distances best;
   Similarity step = pose;  // The textbook's step from the last pose that was gone on from.
   std::optional<AndersonMixing> mixing;
@@ -94,11 +96,11 @@ absl::StatusOr<Outcome> Iterate(const ScaleRule& rule,
     if (trace != nullptr) {
       trace->push_back(distances.error);
     }
-    has_converged = !is_first && stop.Holds(best, distances);
+    has_converged = !is_first && phase.stop.Holds(best, distances);
     is_first = false;
     best = distances;
-    COHORT_ASSIGN_OR_RETURN(step, run.Fit(rule));
-    COHORT_RETURN_IF_ERROR(CheckScale(step.scale, start_scale));
+    COHORT_ASSIGN_OR_RETURN(step, run.Fit(phase.rule));
+    COHORT_RETURN_IF_ERROR(CheckScale(step.scale, phase.start_scale));
     if (options.acceleration == Acceleration::kNone || has_converged) {
       pose = step;
       continue;
@@ -121,12 +123,14 @@ absl::StatusOr<Outcome> IterateInPhases(const StopRule& stop,
                                         Similarity& pose,
                                         IcpTrace* trace) {
   if (options.scale_mode != ScaleMode::kOff && options.rigid_first) {
-    COHORT_RETURN_IF_ERROR(Iterate({.mode = ScaleMode::kOff, .fixed = pose.scale},
-                                   {.relative_tolerance = kRigidTolerance}, pose.scale, options,
-                                   run, pose, trace)
-                               .status());
+    const Phase rigid = {.rule = {.mode = ScaleMode::kOff, .fixed = pose.scale},
+                         .stop = {.relative_tolerance = kRigidTolerance},
+                         .start_scale = pose.scale};
+    COHORT_RETURN_IF_ERROR(Iterate(rigid, options, run, pose, trace).status());
   }
-  return Iterate(RuleFor(options, start_scale), stop, start_scale, options, run, pose, trace);
+  const Phase scaled = {
+      .rule = RuleFor(options, start_scale), .stop = stop, .start_scale = start_scale};
+  return Iterate(scaled, options, run, pose, trace);
 }
 
 /// Counting passes means counting them all, and the textbook's run knows no other.
@@ -212,7 +216,8 @@ bool AlignCoarsely(const IcpMesh& source,
   }
   stop.relative_tolerance = kCoarseTolerance;
   IcpRun run(coarse, target, options, search);
-  const auto outcome = Iterate(rule, stop, start_scale, options, run, *nearest, nullptr);
+  const auto outcome = Iterate({.rule = rule, .stop = stop, .start_scale = start_scale}, options,
+                               run, *nearest, nullptr);
   lookups += run.Passes() * int64_t{coarse.Packed().VertexCount()};
   if (outcome.ok()) {
     pose = WithSourceOrigin(*nearest, coarse.Center(), Eigen::Vector3d::Zero());
@@ -278,7 +283,8 @@ absl::StatusOr<Alignment> AlignByIcp(const IcpMesh& source,
                        AlignCoarsely(source, target, options, search, pose, coarse_lookups);
   IcpRun run(source, target, options, search);
   const absl::StatusOr<Outcome> outcome =
-      is_near ? Iterate(rule, stop, start_scale, options, run, pose, trace)
+      is_near ? Iterate({.rule = rule, .stop = stop, .start_scale = start_scale}, options, run,
+                        pose, trace)
               : IterateInPhases(stop, start_scale, options, run, pose, trace);
   COHORT_RETURN_IF_ERROR(outcome.status());
   alignment.converged = outcome->converged;

@@ -88,16 +88,18 @@ TEST(CorrespondedRms, OfATranslationIsItsLength) {
 TEST(FieldKernels, AddTheSameProductsOnAllInstructionSets) {
   constexpr int64_t kRows = 700;
   std::vector<Eigen::Matrix3Xf> fields;
-  for (uint64_t seed = 0; seed < 2 * kFieldTile; ++seed) {
+  fields.reserve(size_t{2} * kFieldTile);
+  for (uint64_t seed = 0; seed < uint64_t{2} * kFieldTile; ++seed) {
     fields.push_back(SomeField(seed, kRows * kFieldLanes));
   }
   std::vector<const float*> sides;
+  sides.reserve(fields.size());
   for (const Eigen::Matrix3Xf& field : fields) {
     sides.push_back(field.data());
   }
   std::vector<double> expected;
   for (const FieldKernels* kernels : RunnableFieldKernels()) {
-    std::vector<double> lanes(kFieldTile * kFieldTile * kFieldLanes, 0.5);
+    std::vector<double> lanes(kFieldTileLanes, 0.5);
     kernels->add_products(sides.data(), sides.data() + kFieldTile, kRows, lanes.data());
     if (expected.empty()) {
       expected = lanes;
