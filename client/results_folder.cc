@@ -168,6 +168,8 @@ absl::Status WriteTables(FolderWriter& out,
     COHORT_RETURN_IF_ERROR(out.Write(
         {"base_choice.csv", "mean distance of each candidate for the base to the others", "mm"},
         BaseChoiceCsv(fetched.meshes, fetched.base_choice)));
+  } else {
+    out.LeaveOut("base_choice.csv");
   }
   COHORT_RETURN_IF_ERROR(
       out.Write({"matrix.npy", "matrix.csv for NumPy, row = source, column = target", unit},
@@ -237,6 +239,9 @@ absl::StatusOr<ResultsDigest> WriteResults(Session& session,
     COHORT_RETURN_IF_ERROR(WritePreview(session, fetched.job, folder).status());
     out.Note({"preview_matrix.csv", "RMS over corresponding points, not the exact matrix", "mm"});
     out.Note({"preview_heatmap.png", "preview_matrix.csv as a picture", "mm"});
+  } else {
+    out.LeaveOut("preview_matrix.csv");
+    out.LeaveOut("preview_heatmap.png");
   }
 
   ResultsDigest digest;

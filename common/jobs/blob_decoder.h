@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <absl/status/status.h>
 #include <absl/strings/str_cat.h>
@@ -48,6 +49,18 @@ class BlobDecoder {
     if (item_bytes != 0 && count > reader_.Remaining() / item_bytes) {
       return Damaged(absl::StrCat("announces ", count, " ", std::string(what), " in the last ",
                                   reader_.Remaining(), " bytes"));
+    }
+    return absl::OkStatus();
+  }
+  /// `count` mesh indices, none of them negative.
+  [[nodiscard]] absl::Status GetIndices(uint64_t count, std::vector<int32_t>& indices) {
+    COHORT_RETURN_IF_ERROR(CheckRoom("mesh indices", count, sizeof(int32_t)));
+    indices.resize(count);
+    COHORT_RETURN_IF_ERROR(GetArray<int32_t>("mesh indices", indices));
+    for (const int32_t index : indices) {
+      if (index < 0) {
+        return Damaged(absl::StrCat("mesh index is ", index));
+      }
     }
     return absl::OkStatus();
   }

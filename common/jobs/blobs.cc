@@ -98,18 +98,6 @@ absl::Status GetMeshCount(BlobDecoder& blob, int64_t& mesh_count) {
                         : absl::OkStatus();
 }
 
-absl::Status GetIndices(BlobDecoder& blob, uint64_t count, std::vector<int32_t>& indices) {
-  COHORT_RETURN_IF_ERROR(blob.CheckRoom("mesh indices", count, sizeof(int32_t)));
-  indices.resize(count);
-  COHORT_RETURN_IF_ERROR(blob.GetArray<int32_t>("mesh indices", indices));
-  for (const int32_t index : indices) {
-    if (index < 0) {
-      return blob.Damaged(absl::StrCat("mesh index is ", index));
-    }
-  }
-  return absl::OkStatus();
-}
-
 absl::Status GetMetricNumber(BlobDecoder& blob) {
   uint64_t metrics = 0;
   COHORT_RETURN_IF_ERROR(blob.Get("number of metrics", metrics));
@@ -139,8 +127,8 @@ absl::Status GetBlock(BlobDecoder& blob, MetricBlock& block) {
   COHORT_RETURN_IF_ERROR(blob.GetCount("rows", sizeof(int32_t), rows));
   COHORT_RETURN_IF_ERROR(blob.GetCount("columns", sizeof(int32_t), columns));
   COHORT_RETURN_IF_ERROR(GetMetricNumber(blob));
-  COHORT_RETURN_IF_ERROR(GetIndices(blob, rows, block.sources));
-  COHORT_RETURN_IF_ERROR(GetIndices(blob, columns, block.targets));
+  COHORT_RETURN_IF_ERROR(blob.GetIndices(rows, block.sources));
+  COHORT_RETURN_IF_ERROR(blob.GetIndices(columns, block.targets));
   // Each row on its own, so that rows * columns cannot overflow unseen.
   COHORT_RETURN_IF_ERROR(blob.CheckRoom("rows of values", rows, columns * kValuesBytes));
   return GetValues(blob, rows * columns, block.values);
@@ -240,7 +228,7 @@ absl::StatusOr<VariationPart> DecodeVariationBlob(std::string_view bytes) {
   uint64_t meshes = 0;
   COHORT_RETURN_IF_ERROR(blob.GetCount("vertices", kPointBytes, n));
   COHORT_RETURN_IF_ERROR(blob.Get("meshes", meshes));
-  COHORT_RETURN_IF_ERROR(GetIndices(blob, meshes, part.meshes));
+  COHORT_RETURN_IF_ERROR(blob.GetIndices(meshes, part.meshes));
   COHORT_RETURN_IF_ERROR(blob.CheckRoom("meshes", meshes, n * sizeof(float)));
   part.distances.resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(meshes));
   COHORT_RETURN_IF_ERROR(blob.GetArray<float>(

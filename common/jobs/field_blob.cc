@@ -16,18 +16,13 @@ constexpr std::string_view kMagic = "COHFLDS1";
 constexpr uint64_t kBlockHeaderBytes = 2 * sizeof(uint64_t);
 constexpr uint64_t kFieldHeaderBytes = sizeof(int64_t) + sizeof(uint64_t);
 
-absl::Status GetIndices(BlobDecoder& blob, uint64_t count, std::vector<int32_t>& indices) {
-  indices.resize(count);
-  return blob.GetArray<int32_t>("mesh indices", indices);
-}
-
 absl::Status GetBlock(BlobDecoder& blob, FieldBlock& block) {
   uint64_t rows = 0;
   uint64_t columns = 0;
   COHORT_RETURN_IF_ERROR(blob.GetCount("rows", sizeof(int32_t), rows));
   COHORT_RETURN_IF_ERROR(blob.GetCount("columns", sizeof(int32_t), columns));
-  COHORT_RETURN_IF_ERROR(GetIndices(blob, rows, block.sources));
-  COHORT_RETURN_IF_ERROR(GetIndices(blob, columns, block.targets));
+  COHORT_RETURN_IF_ERROR(blob.GetIndices(rows, block.sources));
+  COHORT_RETURN_IF_ERROR(blob.GetIndices(columns, block.targets));
   // Each row on its own, so that rows * columns cannot overflow unseen.
   COHORT_RETURN_IF_ERROR(blob.CheckRoom("rows of fields", rows, columns * kFieldHeaderBytes));
   block.fields.resize(rows * columns);

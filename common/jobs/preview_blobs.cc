@@ -16,18 +16,6 @@ constexpr std::string_view kCorrespondenceMagic = "COHCORR1";
 constexpr std::string_view kPreviewMagic = "COHPREV1";
 constexpr uint64_t kPointBytes = 3 * sizeof(float);
 
-absl::Status GetIndices(BlobDecoder& blob, uint64_t count, std::vector<int32_t>& indices) {
-  COHORT_RETURN_IF_ERROR(blob.CheckRoom("mesh indices", count, sizeof(int32_t)));
-  indices.resize(count);
-  COHORT_RETURN_IF_ERROR(blob.GetArray<int32_t>("mesh indices", indices));
-  for (const int32_t index : indices) {
-    if (index < 0) {
-      return blob.Damaged(absl::StrCat("mesh index is ", index));
-    }
-  }
-  return absl::OkStatus();
-}
-
 }  // namespace
 
 std::string EncodeCorrespondenceBlob(const CorrespondencePart& part) {
@@ -55,7 +43,7 @@ absl::StatusOr<CorrespondencePart> DecodeCorrespondenceBlob(std::string_view byt
   }
   CorrespondencePart part{.meshes = {},
                           .fields = DisplacementFields(static_cast<int64_t>(vertices))};
-  COHORT_RETURN_IF_ERROR(GetIndices(blob, meshes, part.meshes));
+  COHORT_RETURN_IF_ERROR(blob.GetIndices(meshes, part.meshes));
   COHORT_RETURN_IF_ERROR(blob.CheckRoom("fields", meshes, vertices * kPointBytes));
   Eigen::Matrix3Xf field(3, static_cast<Eigen::Index>(vertices));
   for (uint64_t mesh = 0; mesh < meshes; ++mesh) {
@@ -86,8 +74,8 @@ absl::StatusOr<PreviewBlock> DecodePreviewBlob(std::string_view bytes) {
   uint64_t columns = 0;
   COHORT_RETURN_IF_ERROR(blob.GetCount("rows", sizeof(int32_t), rows));
   COHORT_RETURN_IF_ERROR(blob.GetCount("columns", sizeof(int32_t), columns));
-  COHORT_RETURN_IF_ERROR(GetIndices(blob, rows, block.rows));
-  COHORT_RETURN_IF_ERROR(GetIndices(blob, columns, block.columns));
+  COHORT_RETURN_IF_ERROR(blob.GetIndices(rows, block.rows));
+  COHORT_RETURN_IF_ERROR(blob.GetIndices(columns, block.columns));
   // Each row on its own, so that rows * columns cannot overflow unseen.
   COHORT_RETURN_IF_ERROR(blob.CheckRoom("rows of values", rows, columns * sizeof(double)));
   block.values.resize(rows * columns);

@@ -1,62 +1,10 @@
 #include "common/geometry/nearest/packet_search.h"
 
 #include <algorithm>
-#include <bit>
-#include <cassert>
+
+#include "common/geometry/nearest/packet_blocks.h"
 
 namespace cohort {
-namespace {
-
-constexpr size_t kPacketFloats = size_t{3} * PackedMesh::kLanes;
-constexpr size_t kBoxFloats = 8;
-
-const PacketKernels& KernelsOf(InstructionSet set) {
-#if defined(COHORT_X86_KERNELS)
-  switch (set) {
-    case InstructionSet::kAvx512:
-      return Avx512Kernels();
-    case InstructionSet::kAvx2:
-      return Avx2Kernels();
-    case InstructionSet::kPortable:
-      return PortableKernels();
-  }
-#endif
-  assert(set == InstructionSet::kPortable);
-  return PortableKernels();
-}
-
-int PacketsFrom(const PackedMesh& queries, int first) {
-  return std::min(kBlockPackets, queries.LeafCount() - first);
-}
-
-/// Adds the lanes in their order.
-PairSums Total(const PairSumLanes& lanes, std::span<const uint16_t> kept) {
-  double sums[PairSumLanes::kSums];
-  for (int i = 0; i < PairSumLanes::kSums; ++i) {
-    sums[i] = 0;
-    for (const double lane : lanes.lanes[i]) {
-      sums[i] += lane;
-    }
-  }
-  PairSums total;
-  for (const uint16_t lanes_kept : kept) {
-    total.count += std::popcount(lanes_kept);
-  }
-  total.a = Eigen::Vector3d(sums[0], sums[1], sums[2]);
-  total.b = Eigen::Vector3d(sums[3], sums[4], sums[5]);
-  total.aa = sums[6];
-  total.bb = sums[7];
-  total.squared_distance = sums[8];
-  total.distance = sums[9];
-  for (int row = 0; row < 3; ++row) {
-    total.ba.row(row) =
-        Eigen::RowVector3d(sums[10 + 3 * row], sums[11 + 3 * row], sums[12 + 3 * row]);
-  }
-  return total;
-}
-
-}  // namespace
-
 AlignedArray<uint16_t> AllVertices(const PackedMesh& mesh) {
   AlignedArray<uint16_t> kept(static_cast<size_t>(mesh.LeafCount()));
   std::fill_n(kept.data(), kept.size(), uint16_t{0xFFFF});
@@ -71,7 +19,7 @@ PacketSearch::PacketSearch()
     : PacketSearch(ChooseInstructionSet().value_or(AvailableInstructionSets().back())) {}
 
 PacketSearch::PacketSearch(InstructionSet set)
-    : kernels_(&KernelsOf(set)),
+    : kernels_(&PacketKernelsOf(set)),
       moved_points_(kBlockPackets * kPacketFloats),
       moved_boxes_(kBlockPackets * kBoxFloats) {}
 
@@ -151,7 +99,7 @@ PairSums PacketSearch::FindMovedAndSum(const PackedMesh& queries,
          .packets = PacketsFrom(queries, first)},
         target.Addresses(), sums);
   }
-  return Total(sums, {kept.data(), kept.size()});
+  return TotalOf(sums, {kept.data(), kept.size()});
 }
 
 PairSums PacketSearch::Sum(const PackedMesh& queries,
@@ -170,7 +118,7 @@ PairSums PacketSearch::Sum(const PackedMesh& queries,
          .packets = PacketsFrom(queries, first)},
         target.Addresses(), sums);
   }
-  return Total(sums, kept);
+  return TotalOf(sums, kept);
 }
 
 }  // namespace cohort

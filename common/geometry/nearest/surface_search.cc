@@ -1,16 +1,15 @@
 #include "common/geometry/nearest/surface_search.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <numeric>
+
+#include "common/geometry/nearest/packet_blocks.h"
 
 namespace cohort {
 namespace {
 
 constexpr size_t kLanes = PackedMesh::kLanes;
-constexpr size_t kPacketFloats = 3 * kLanes;
-constexpr size_t kBoxFloats = 8;
 
 const SurfaceKernels& SurfaceKernelsOf(InstructionSet set) {
 #if defined(COHORT_X86_KERNELS)
@@ -25,51 +24,6 @@ const SurfaceKernels& SurfaceKernelsOf(InstructionSet set) {
 #endif
   assert(set == InstructionSet::kPortable);
   return PortableSurfaceKernels();
-}
-
-const PacketKernels& PacketKernelsOf(InstructionSet set) {
-#if defined(COHORT_X86_KERNELS)
-  switch (set) {
-    case InstructionSet::kAvx512:
-      return Avx512Kernels();
-    case InstructionSet::kAvx2:
-      return Avx2Kernels();
-    case InstructionSet::kPortable:
-      return PortableKernels();
-  }
-#endif
-  assert(set == InstructionSet::kPortable);
-  return PortableKernels();
-}
-
-int PacketsFrom(const PackedMesh& queries, int first) {
-  return std::min(kBlockPackets, queries.LeafCount() - first);
-}
-
-/// Adds the lanes in their order.
-PairSums Total(const PairSumLanes& lanes, std::span<const uint16_t> kept) {
-  double sums[PairSumLanes::kSums];
-  for (int i = 0; i < PairSumLanes::kSums; ++i) {
-    sums[i] = 0;
-    for (const double lane : lanes.lanes[i]) {
-      sums[i] += lane;
-    }
-  }
-  PairSums total;
-  for (const uint16_t lanes_kept : kept) {
-    total.count += std::popcount(lanes_kept);
-  }
-  total.a = Eigen::Vector3d(sums[0], sums[1], sums[2]);
-  total.b = Eigen::Vector3d(sums[3], sums[4], sums[5]);
-  total.aa = sums[6];
-  total.bb = sums[7];
-  total.squared_distance = sums[8];
-  total.distance = sums[9];
-  for (int row = 0; row < 3; ++row) {
-    total.ba.row(row) =
-        Eigen::RowVector3d(sums[10 + 3 * row], sums[11 + 3 * row], sums[12 + 3 * row]);
-  }
-  return total;
 }
 
 }  // namespace
@@ -180,7 +134,7 @@ PairSums SurfaceSearch::FindMovedAndSum(const PackedMesh& queries,
     FindBlock(queries, transform, target, first, seed, nearest);
     AddBlock(queries, first, kept.data(), nearest, sums);
   }
-  return Total(sums, {kept.data(), kept.size()});
+  return TotalOf(sums, {kept.data(), kept.size()});
 }
 
 PairSums SurfaceSearch::Sum(const PackedMesh& queries,
@@ -191,7 +145,7 @@ PairSums SurfaceSearch::Sum(const PackedMesh& queries,
   for (int first = 0; first < queries.LeafCount(); first += kBlockPackets) {
     AddBlock(queries, first, kept.data(), nearest, sums);
   }
-  return Total(sums, kept);
+  return TotalOf(sums, kept);
 }
 
 }  // namespace cohort

@@ -48,7 +48,7 @@ struct StopRule {
 
 absl::Status CheckScale(double scale, double start_scale) {
   const double change = scale / start_scale;
-  if (change < 1 / kLargestScaleChange || change > kLargestScaleChange) {
+  if (!(change >= 1 / kLargestScaleChange && change <= kLargestScaleChange)) {  // Or NaN.
     return absl::FailedPreconditionError(
         absl::StrCat("ICP: scale went from ", start_scale, " to ", scale, " (collapse)"));
   }
@@ -157,13 +157,15 @@ IcpMesh CoarseMesh(const PackedMesh& packed) {
   return IcpMesh(chosen);
 }
 
-/// RMS distance of the vertices from the center.
+/// RMS distance of the vertices from the center, over one vertex of each leaf.
 double RadiusOf(const PackedMesh& packed) {
   double sum = 0;
+  int count = 0;
   for (int slot = 0; slot < packed.VertexCount(); slot += kCoarseStride) {
     sum += packed.PointOfSlot(slot).cast<double>().squaredNorm();
+    ++count;
   }
-  return std::sqrt(sum);
+  return std::sqrt(sum / count);
 }
 
 /// The start, and where the scale is free also the start with the scale that makes the meshes
@@ -175,10 +177,9 @@ std::vector<Similarity> CoarseStarts(const PackedMesh& source,
                                      const ScaleRule& rule) {
   std::vector<Similarity> starts = {pose};
   if (rule.mode != ScaleMode::kOff) {
-    const double samples = static_cast<double>(source.VertexCount()) / target.VertexCount();
-    const double scale = std::clamp(RadiusOf(target) / RadiusOf(source) * std::sqrt(samples),
-                                    rule.least, rule.greatest);
-    if (std::abs(scale / pose.scale - 1) > kLeastScaleChange) {
+    const double scale = std::clamp(RadiusOf(target) / RadiusOf(source), rule.least, rule.greatest);
+    const double change = scale / pose.scale;  // NaN or infinite where a mesh has no extent.
+    if (CheckScale(scale, pose.scale).ok() && std::abs(change - 1) > kLeastScaleChange) {
       starts.push_back(pose);
       starts.back().scale = scale;
     }

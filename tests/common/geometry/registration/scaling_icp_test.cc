@@ -135,6 +135,16 @@ TEST(AlignByIcp, CountsTheLookupsOfItsCoarseRun) {
   EXPECT_EQ(counted.lookups, 5 * source.cols());
 }
 
+TEST(AlignByIcp, RefusesASourceWithoutExtentWhereTheScaleIsFree) {
+  const Eigen::Matrix3Xd target = BumpySurface(kRows).vertices;
+  const Eigen::Matrix3Xd point = Eigen::Vector3d(1, 2, 3).replicate(1, 2000);
+  for (const ScaleMode mode : {ScaleMode::kFree, ScaleMode::kSymmetric}) {
+    PacketSearch search;
+    EXPECT_FALSE(
+        AlignByIcp(IcpMesh(point), IcpMesh(target), {}, {.scale_mode = mode}, search).ok());
+  }
+}
+
 TEST(AlignByIcp, FindsTheOptimumWhereItsCoarseRunFindsNoPairs) {
   // 16 vertices lie on the target, one or two of them where the coarse run looks.
   constexpr int kNear = 16;
