@@ -38,6 +38,10 @@ absl::StatusOr<WorkerOrders> GrpcCoordinatorLink::Synchronize(const WorkerReport
     *request.add_held() = ToProto(lease);
   }
   request.set_free_slots(report.free_slots);
+  request.set_spare_slots(report.spare_slots);
+  request.set_slots(report.slots);
+  request.set_instruction_set(report.instruction_set);
+  request.set_draining(report.draining);
   request.set_wait_ms(static_cast<int>(report.wait_seconds * 1000));
   grpc::ClientContext context;
   SetDeadline(context, kUnaryDeadlineSeconds + report.wait_seconds);

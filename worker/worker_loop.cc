@@ -63,30 +63,43 @@ absl::Status WorkerLoop::Run(const std::stop_token& stop) {
     MutexLock lock(mutex_);
     Reap();
     const auto deadline = In(pause_seconds);
-    // With a free slot the server does the waiting, unless it cannot be reached.
-    while (!stop.stop_requested() && (!status.ok() || std::ssize(running_) >= options_.slots) &&
-           slot_freed_.WaitUntil(mutex_, deadline)) {
+    // With a free slot the server does the waiting, unless it cannot be reached. What it has not
+    // given for a spare slot it is asked for again when a task has ended.
+    const auto asks = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      return status.ok() && (reaped_ || std::ssize(running_) < options_.slots);
+    };
+    while (!stop.stop_requested() && !asks() && slot_freed_.WaitUntil(mutex_, deadline)) {
       Reap();
     }
   }
   return absl::OkStatus();
 }
 
-absl::Status WorkerLoop::SynchronizeOnce(const std::stop_token& stop) {
+WorkerReport WorkerLoop::MakeReport() {
   WorkerReport report;
   report.worker = options_.worker;
   report.build = options_.build;
+  report.slots = options_.slots;
+  report.instruction_set = options_.instruction_set;
   {
     MutexLock lock(mutex_);
     Reap();
+    reaped_ = false;
     for (const auto& [lease, running] : running_) {
       report.held.push_back(lease);
     }
   }
-  report.free_slots = options_.slots - static_cast<int>(report.held.size());
+  const int held = static_cast<int>(report.held.size());
+  report.free_slots = std::max(0, options_.slots - held);
+  report.spare_slots =
+      std::max(0, options_.slots + options_.spare_slots - held - report.free_slots);
   // Leases under way must be renewed in time, so the wait for more work is short then.
   report.wait_seconds = report.held.empty() ? kIdleWaitSeconds : std::min(1.0, next_sync_seconds_);
-  COHORT_ASSIGN_OR_RETURN(const WorkerOrders orders, link_.Synchronize(report));
+  return report;
+}
+
+absl::Status WorkerLoop::SynchronizeOnce(const std::stop_token& stop) {
+  COHORT_ASSIGN_OR_RETURN(const WorkerOrders orders, link_.Synchronize(MakeReport()));
   next_sync_seconds_ = std::max(0.1, orders.next_sync_seconds);
   MutexLock lock(mutex_);
   for (const Lease& lease : orders.lost) {
@@ -159,6 +172,7 @@ void WorkerLoop::Reap() {
     if (it->second.finished) {
       it->second.thread.join();  // Only leaves its last lock; does not block.
       it = running_.erase(it);
+      reaped_ = true;
     } else {
       ++it;
     }

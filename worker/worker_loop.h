@@ -18,12 +18,15 @@ namespace cohort {
 struct WorkerLoopOptions {
   WorkerId worker;
   std::string build;
-  int slots = 1;              ///< Tasks run at once.
+  int slots = 1;        ///< Tasks computed at once: what the runner allows.
+  int spare_slots = 1;  ///< Tasks held besides: begun, or reported, while those compute.
+  std::string instruction_set;
   double drain_seconds = 10;  ///< How long running tasks may go on after the stop.
 };
 
-/// Asks for tasks, runs each in a slot of its own, reports what came out. While tasks run it keeps
-/// calling the server, so that their leases live.
+/// Asks for tasks, runs each on a thread of its own, reports what came out. While tasks run it
+/// keeps calling the server, so that their leases live. Holds a task more than it can compute, so
+/// that no processor waits while a result is on its way.
 class WorkerLoop {
  public:
   WorkerLoop(const WorkerLoopOptions& options, CoordinatorLink& link, TaskRunner& runner);
@@ -43,6 +46,8 @@ class WorkerLoop {
     bool finished = false;
   };
 
+  /// What it holds and could take.
+  [[nodiscard]] WorkerReport MakeReport();
   absl::Status SynchronizeOnce(const std::stop_token& stop);
   void Start(const GrantedTask& granted) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void RunSlot(const GrantedTask& granted, const std::stop_token& stop);
@@ -59,7 +64,8 @@ class WorkerLoop {
   Mutex mutex_;
   CondVar slot_freed_;
   std::map<Lease, Running> running_ ABSL_GUARDED_BY(mutex_);
-  double next_sync_seconds_ = 1;  ///< Used by Run only.
+  bool reaped_ ABSL_GUARDED_BY(mutex_) = false;  ///< A task has ended since the last report.
+  double next_sync_seconds_ = 1;                 ///< Used by Run only.
 };
 
 }  // namespace cohort

@@ -99,14 +99,15 @@ absl::Status RunWorker(const WorkerOptions& options) {
   COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<BlobStore> store,
                           OpenStore(options, channel, address));
   MeshCache meshes(*store, options.cache_mb << 20);
-  TaskRunner runner(*store, meshes);
   GrpcCoordinatorLink link(channel, address);
   WorkerLoopOptions loop_options;
   loop_options.worker = WorkerId{options.name.empty() ? MakeWorkerName() : options.name};
   loop_options.build = std::string(BuildVersion());
   const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   loop_options.slots = options.threads > 0 ? options.threads : processors;
+  loop_options.instruction_set = InstructionSetName(instruction_set);
   loop_options.drain_seconds = options.drain_seconds;
+  TaskRunner runner(*store, meshes, loop_options.slots);
   spdlog::info("event=worker_started worker={} server={} slots={} store={} isa={}",
                loop_options.worker.value, address, loop_options.slots,
                options.store.empty() ? "rpc" : options.store, InstructionSetName(instruction_set));

@@ -15,7 +15,11 @@ struct WorkerReport {
   std::string build;        ///< BuildVersion(); the server refuses another than its own.
   std::vector<Lease> held;  ///< Tasks that it runs now.
   int free_slots = 0;
+  int spare_slots = 0;      ///< Tasks it would hold ready besides, so as never to wait for one.
   double wait_seconds = 0;  ///< How long the answer may wait for a ready task.
+  int slots = 0;            ///< Tasks that it computes at once.
+  std::string instruction_set = {};
+  bool draining = false;  ///< It ends once its tasks are over.
 };
 
 struct GrantedTask {

@@ -121,7 +121,8 @@ class Coordinator {
   absl::Status EndJob(ActiveJob& active, JobState state, const std::string& error)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status GiveUpTasks(const std::vector<TaskId>& tasks) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  absl::StatusOr<std::vector<GrantedTask>> GrantTasks(const WorkerId& worker, int count)
+  /// What the worker's free slots take; for its spare ones only while there is plenty.
+  absl::StatusOr<std::vector<GrantedTask>> GrantTasks(const WorkerReport& report)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status CheckOutputs(const TaskResult& result);
   absl::StatusOr<JobOutputs> OutputsSoFar(const JobId& id) ABSL_LOCKS_EXCLUDED(mutex_);

@@ -181,8 +181,8 @@ absl::StatusOr<WorkerOrders> Coordinator::Synchronize(const WorkerReport& report
       if (is_cancelled()) {
         return absl::CancelledError("worker " + report.worker.value + " has gone");
       }
-      if (!stopping_ && report.free_slots > 0) {
-        COHORT_ASSIGN_OR_RETURN(orders.grants, GrantTasks(report.worker, report.free_slots));
+      if (!stopping_ && !report.draining) {
+        COHORT_ASSIGN_OR_RETURN(orders.grants, GrantTasks(report));
       }
       const bool wants_work = report.free_slots > 0 && orders.grants.empty();
       if (!wants_work || stopping_ || !orders.lost.empty() || now >= deadline) {
@@ -196,9 +196,11 @@ absl::StatusOr<WorkerOrders> Coordinator::Synchronize(const WorkerReport& report
   return orders;
 }
 
-absl::StatusOr<std::vector<GrantedTask>> Coordinator::GrantTasks(const WorkerId& worker,
-                                                                 int count) {
-  const std::vector<Lease> leases = scheduler_.Grant(worker, count, clock_.Now());
+absl::StatusOr<std::vector<GrantedTask>> Coordinator::GrantTasks(const WorkerReport& report) {
+  // Near the end of a stage a task held ready by one worker is missing to another.
+  const bool plenty = scheduler_.ReadyCount() - report.free_slots > scheduler_.LeasedCount();
+  const int count = report.free_slots + (plenty ? report.spare_slots : 0);
+  const std::vector<Lease> leases = scheduler_.Grant(report.worker, count, clock_.Now());
   std::vector<GrantedTask> grants;
   grants.reserve(leases.size());
   std::map<JobId, std::vector<TaskRecord>> records;
@@ -206,7 +208,7 @@ absl::StatusOr<std::vector<GrantedTask>> Coordinator::GrantTasks(const WorkerId&
     ActiveJob& active = active_.at(lease.task.job);
     grants.push_back({.lease = lease, .task = active.open_tasks.at(lease.task.number)});
     TaskRecord record = RecordOf(lease.task.number, scheduler_.AttemptsOf(lease.task));
-    record.worker = worker.value;
+    record.worker = report.worker.value;
     records[lease.task.job].push_back(record);
     NoteStage(grants.back().task.stage, active.job);
     if (active.job.state == JobState::kQueued) {

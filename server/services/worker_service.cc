@@ -22,6 +22,10 @@ grpc::Status WorkerServiceSkin::Synchronize(grpc::ServerContext* context,
     report.held.push_back(FromProto(lease));
   }
   report.free_slots = request->free_slots();
+  report.spare_slots = request->spare_slots();
+  report.slots = request->slots();
+  report.instruction_set = request->instruction_set();
+  report.draining = request->draining();
   report.wait_seconds = std::clamp(request->wait_ms() / 1000.0, 0.0, kMaxWaitSeconds);
   const absl::StatusOr<WorkerOrders> orders =
       coordinator_.Synchronize(report, [context] { return context->IsCancelled(); });

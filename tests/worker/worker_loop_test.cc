@@ -34,7 +34,8 @@ class FakeLink final : public CoordinatorLink {
     WorkerOrders orders;
     orders.next_sync_seconds = 0.01;
     orders.lease_seconds = 60;
-    for (int i = 0; i < report.free_slots && !tasks_.empty(); ++i) {
+    const int wanted = report.free_slots + report.spare_slots;
+    for (int i = 0; i < wanted && !tasks_.empty(); ++i) {
       const Task task = tasks_.front();
       tasks_.pop_front();
       GrantedTask granted;
@@ -139,7 +140,7 @@ TEST_F(WorkerLoopTest, RunsEveryTaskOnceInItsSlots) {
   EXPECT_THAT(status_, IsOk());
   MutexLock lock(link_.mutex_);
   EXPECT_THAT(link_.completed_, ::testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5));
-  EXPECT_LE(link_.max_held_, 2U);
+  EXPECT_LE(link_.max_held_, 3U);  // One is held ready besides.
   EXPECT_TRUE(link_.failed_.empty());
 }
 

@@ -23,7 +23,7 @@ constexpr size_t kInnerBlock = 8;
 struct Block {
   std::vector<int32_t> meshes;
   std::vector<std::shared_ptr<const PackedMesh>> placed;
-  std::vector<std::shared_ptr<const IcpMesh>> unplaced;        ///< For their boundaries.
+  std::vector<std::shared_ptr<const IcpMesh>> unplaced;        ///< Only for their boundaries.
   std::vector<std::shared_ptr<const PackedSurface>> surfaces;  ///< Only where they are needed.
 };
 
@@ -39,10 +39,12 @@ absl::StatusOr<Block> LoadBlock(const std::vector<TaskMesh>& inputs,
     COHORT_ASSIGN_OR_RETURN(const Similarity T_frame_mesh, SimilarityOf(alignments, input));
     COHORT_ASSIGN_OR_RETURN(auto placed,
                             context.meshes.GetPlaced(input.blob, T_frame_mesh, frame_center));
-    COHORT_ASSIGN_OR_RETURN(auto unplaced, context.meshes.GetIcpMesh(input.blob));
     block.meshes.push_back(input.index);
     block.placed.push_back(std::move(placed));
-    block.unplaced.push_back(std::move(unplaced));
+    if (task.compare.boundary_pairs == BoundaryPairs::kReject) {
+      COHORT_ASSIGN_OR_RETURN(auto unplaced, context.meshes.GetIcpMesh(input.blob));
+      block.unplaced.push_back(std::move(unplaced));
+    }
     if (task.compare.correspondence == Correspondence::kSurface) {
       COHORT_ASSIGN_OR_RETURN(
           auto surface, context.meshes.GetPlacedSurface(input.blob, T_frame_mesh, frame_center));
@@ -65,7 +67,7 @@ absl::StatusOr<MeasuredBlock> MeasureBlock(const Block& sources,
   const auto measure = [&](size_t row, size_t column) -> absl::Status {
     const PairTarget target = {
         .vertices = *targets.placed[column],
-        .unplaced = *targets.unplaced[column],
+        .unplaced = targets.unplaced.empty() ? nullptr : targets.unplaced[column].get(),
         .surface = targets.surfaces.empty() ? nullptr : targets.surfaces[column].get()};
     COHORT_ASSIGN_OR_RETURN(MeasuredPair pair, meter.Measure(*sources.placed[row], target));
     measured.Set(row * columns + column, std::move(pair));
@@ -110,7 +112,7 @@ absl::StatusOr<TaskResult> RunCompareTask(const Task& task, const TaskContext& c
     output.Add(std::move(there));
     output.Add(std::move(back));
   }
-  COHORT_RETURN_IF_ERROR(output.Write(context.store, result));
+  COHORT_RETURN_IF_ERROR(output.Write(context, result));
   return result;
 }
 
@@ -159,7 +161,7 @@ absl::StatusOr<TaskResult> RunAlignAndCompareTask(const Task& task, const TaskCo
   }
   TileOutput output(task.compare.retention);
   output.Add(std::move(block));
-  COHORT_RETURN_IF_ERROR(output.Write(context.store, result));
+  COHORT_RETURN_IF_ERROR(output.Write(context, result));
   COHORT_ASSIGN_OR_RETURN(result.second_output, context.store.Put(EncodeAlignmentBlob(alignments)));
   return result;
 }

@@ -93,7 +93,7 @@ absl::StatusOr<TaskResult> RunFidentisCompareTask(const Task& task, const TaskCo
     output.Add(std::move(there));
     output.Add(std::move(back));
   }
-  COHORT_RETURN_IF_ERROR(output.Write(context.store, result));
+  COHORT_RETURN_IF_ERROR(output.Write(context, result));
   return result;
 }
 
@@ -136,7 +136,7 @@ absl::StatusOr<TaskResult> RunFidentisAlignAndCompareTask(const Task& task,
   }
   TileOutput output(task.compare.retention);
   output.Add(std::move(block));
-  COHORT_RETURN_IF_ERROR(output.Write(context.store, result));
+  COHORT_RETURN_IF_ERROR(output.Write(context, result));
   COHORT_ASSIGN_OR_RETURN(result.second_output, context.store.Put(EncodeAlignmentBlob(alignments)));
   if (task.wants_placed) {
     COHORT_ASSIGN_OR_RETURN(result.placed, context.store.Put(EncodePlacedBlob(placed)));

@@ -38,20 +38,20 @@ absl::StatusOr<MeasuredPair> PairMeter::MeasureMoved(const IcpMesh& source,
                      source.Packed().Diagonal());
   }
   search_.FindMoved(source.Packed(), transform, target.Packed(), SearchSeed::kDescent, nearest_);
-  return Summarize(Counting(source.Packed(), target.Packed(), target), source.Packed().Diagonal());
+  return Summarize(Counting(source.Packed(), target.Packed(), &target), source.Packed().Diagonal());
 }
 
 std::span<const float> PairMeter::Counting(const PackedMesh& source,
                                            const PackedMesh& target,
-                                           const IcpMesh& target_mesh) {
+                                           const IcpMesh* target_mesh) {
   const std::span<const float> all = VertexValues(nearest_.squared_distances, source);
-  if (options_.boundary_pairs == BoundaryPairs::kKeep || !target_mesh.HasBoundary()) {
+  if (options_.boundary_pairs == BoundaryPairs::kKeep || !target_mesh->HasBoundary()) {
     return all;
   }
   counting_.clear();
   for (size_t slot = 0; slot < all.size(); ++slot) {
     const auto found = static_cast<size_t>(nearest_.slots[slot]);
-    if (!target_mesh.IsOnBoundary(target.VertexOfSlot()[found])) {
+    if (!target_mesh->IsOnBoundary(target.VertexOfSlot()[found])) {
       counting_.push_back(all[slot]);
     }
   }

@@ -17,7 +17,7 @@ struct MeasuredPair {
 /// The target of a pair in the common frame.
 struct PairTarget {
   const PackedMesh& vertices;
-  const IcpMesh& unplaced;                 ///< The same mesh: its open boundary.
+  const IcpMesh* unplaced = nullptr;       ///< The same mesh, needed for BoundaryPairs::kReject.
   const PackedSurface* surface = nullptr;  ///< Needed for Correspondence::kSurface.
 };
 
@@ -41,7 +41,7 @@ class PairMeter {
   /// The squared distances to vertices found last that count, in slot order.
   [[nodiscard]] std::span<const float> Counting(const PackedMesh& source,
                                                 const PackedMesh& target,
-                                                const IcpMesh& target_mesh);
+                                                const IcpMesh* target_mesh);
   [[nodiscard]] absl::StatusOr<MeasuredPair> Summarize(std::span<const float> squared_distances,
                                                        double diagonal);
 

@@ -10,6 +10,7 @@
 #include "common/geometry/registration/scaling_icp.h"
 #include "common/jobs/task.h"
 #include "common/store/blob_store.h"
+#include "worker/tasks/compute_slots.h"
 #include "worker/tasks/mesh_cache.h"
 
 namespace cohort {
@@ -19,9 +20,12 @@ struct TaskContext {
   BlobStore& store;
   MeshCache& meshes;
   std::stop_token stop;
+  ComputeSlots::Permit& permit;
 
   /// @return kCancelled once the worker wants the task to end; asked between meshes and pairs.
   [[nodiscard]] absl::Status CheckStop() const;
+  /// What is left is to write the outputs: the next task may compute meanwhile.
+  void EndComputing() const { permit.Release(); }
 };
 
 /// The alignments in `blobs` by mesh index.

@@ -5,6 +5,7 @@
 #include <new>
 #include <string>
 
+#include "common/base/status_macros.h"
 #include "worker/tasks/align_task.h"
 #include "worker/tasks/choose_base_task.h"
 #include "worker/tasks/compare_task.h"
@@ -71,10 +72,11 @@ absl::StatusOr<TaskResult> Dispatch(const Task& task, const TaskContext& context
 }  // namespace
 
 absl::StatusOr<TaskResult> TaskRunner::Run(const Task& task, std::stop_token stop) {
+  COHORT_ASSIGN_OR_RETURN(ComputeSlots::Permit permit, slots_.Acquire(stop));
   const auto start = std::chrono::steady_clock::now();
   try {
-    absl::StatusOr<TaskResult> result =
-        Dispatch(task, {.store = store_, .meshes = meshes_, .stop = std::move(stop)});
+    absl::StatusOr<TaskResult> result = Dispatch(
+        task, {.store = store_, .meshes = meshes_, .stop = std::move(stop), .permit = permit});
     if (result.ok()) {
       result->seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

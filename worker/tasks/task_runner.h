@@ -6,6 +6,7 @@
 
 #include "common/jobs/task.h"
 #include "common/store/blob_store.h"
+#include "worker/tasks/compute_slots.h"
 #include "worker/tasks/mesh_cache.h"
 
 namespace cohort {
@@ -13,9 +14,14 @@ namespace cohort {
 /// Runs tasks: the kind picks the function. Thread-safe.
 class TaskRunner {
  public:
-  TaskRunner(BlobStore& store, MeshCache& meshes) : store_(store), meshes_(meshes) {}
+  static constexpr int kUnlimited = 1 << 20;
+
+  /// @param slots  tasks that may compute at once; more of them may read and write.
+  TaskRunner(BlobStore& store, MeshCache& meshes, int slots = kUnlimited)
+      : store_(store), meshes_(meshes), slots_(slots) {}
 
   /// Same task, same output bytes, whoever runs it. What libraries throw ends here.
+  /// Waits for a slot first.
   /// @return kCancelled after `stop`; kInvalidArgument, kDataLoss, kFailedPrecondition if the task
   ///         cannot succeed anywhere; other codes if another try may.
   [[nodiscard]] absl::StatusOr<TaskResult> Run(const Task& task, std::stop_token stop);
@@ -23,6 +29,7 @@ class TaskRunner {
  private:
   BlobStore& store_;
   MeshCache& meshes_;
+  ComputeSlots slots_;
 };
 
 }  // namespace cohort

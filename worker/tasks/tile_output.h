@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -8,8 +9,8 @@
 #include "common/jobs/blobs.h"
 #include "common/jobs/field_blob.h"
 #include "common/jobs/task.h"
-#include "common/store/blob_store.h"
 #include "worker/tasks/pair_meter.h"
+#include "worker/tasks/task_context.h"
 
 namespace cohort {
 
@@ -41,10 +42,14 @@ class TileOutput {
       fields_.blocks.push_back(std::move(block.fields));
     }
   }
-  absl::Status Write(BlobStore& store, TaskResult& result) const {
-    COHORT_ASSIGN_OR_RETURN(result.output, store.Put(EncodeTileBlob(metrics_)));
-    if (!fields_.blocks.empty()) {
-      COHORT_ASSIGN_OR_RETURN(result.fields, store.Put(EncodeFieldBlob(fields_)));
+  /// Ends the computing of the task.
+  absl::Status Write(const TaskContext& context, TaskResult& result) const {
+    const std::string metrics = EncodeTileBlob(metrics_);
+    const std::string fields = fields_.blocks.empty() ? std::string() : EncodeFieldBlob(fields_);
+    context.EndComputing();
+    COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(metrics));
+    if (!fields.empty()) {
+      COHORT_ASSIGN_OR_RETURN(result.fields, context.store.Put(fields));
     }
     return absl::OkStatus();
   }

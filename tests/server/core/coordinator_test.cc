@@ -100,6 +100,21 @@ class CoordinatorTest : public ::testing::Test {
   std::unique_ptr<Coordinator> coordinator_;
 };
 
+TEST_F(CoordinatorTest, FillsSpareSlotsOnlyWhileOthersHaveEnough) {
+  AddScans(5, 1);
+  Submit();
+  WorkerReport report{
+      .worker = WorkerId{"greedy"}, .build = "1", .held = {}, .free_slots = 1, .spare_slots = 1};
+  const auto first = coordinator_->Synchronize(report, [] { return false; });
+  ASSERT_EQ(first->grants.size(), 2U);  // Five were ready.
+  report.worker = WorkerId{"late"};
+  const auto second = coordinator_->Synchronize(report, [] { return false; });
+  EXPECT_EQ(second->grants.size(), 1U);  // Of the three left others may need the rest.
+  report.worker = WorkerId{"leaving"};
+  report.draining = true;
+  EXPECT_TRUE(coordinator_->Synchronize(report, [] { return false; })->grants.empty());
+}
+
 TEST_F(CoordinatorTest, RefusesLandmarksThatAreNotInTheStore) {
   AddScans(2, 1);
   JobSpec spec;
