@@ -15,4 +15,12 @@ struct Lease {
   friend auto operator<=>(const Lease&, const Lease&) = default;
 };
 
+/// A lease as its worker reports it.
+struct HeldTask {
+  static constexpr int64_t kNotBegun = -1;
+  Lease lease;
+  int64_t ticks = kNotBegun;  ///< Grows while the task gets on: one for each mesh, pair, ...
+  friend bool operator==(const HeldTask&, const HeldTask&) = default;
+};
+
 }  // namespace cohort

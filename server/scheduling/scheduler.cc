@@ -9,35 +9,69 @@ namespace {
 
 /// Doubling stops here: 2^16 retry times are a day for the default of a second.
 constexpr int kMaxDoublings = 16;
+/// A second copy is worth its while only where this many tasks of the stage tell what is usual.
+constexpr int64_t kLeastSamples = 5;
+/// A task that a worker has held for this long without beginning it is free for others.
+constexpr double kQueueSeconds = 1;
+/// How many of the tasks longest out are looked at for a second copy.
+constexpr int kCopyCandidates = 32;
 
 MonotonicTime::duration Seconds(double seconds) {
   return std::chrono::duration_cast<MonotonicTime::duration>(
       std::chrono::duration<double>(seconds));
 }
 
+double SecondsBetween(MonotonicTime from, MonotonicTime to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
 }  // namespace
 
-void Scheduler::AddTask(const TaskId& task, const TaskAttempts& attempts) {
-  const auto [found, added] = jobs_[task.job].tasks.try_emplace(task.number);
-  if (added) {
-    found->second.attempts = attempts;
-    Enter(task, found->second);
+void Scheduler::SetJob(const JobId& job, JobOptions options) {
+  JobTasks& tasks = jobs_[job];
+  tasks.options = std::move(options);
+  if (tasks.options.is_paused || tasks.ready.empty()) {
+    jobs_with_ready_.erase(job);
+  } else {
+    jobs_with_ready_.insert(job);
   }
+}
+
+void Scheduler::AddTasks(const JobId& job, int64_t first, int64_t count) {
+  JobTasks& tasks = jobs_[job];
+  ready_count_ -= tasks.ready.Size();
+  tasks.ready.InsertRange(first, count);
+  ready_count_ += tasks.ready.Size();
+  if (!tasks.ready.empty() && !tasks.options.is_paused) {
+    jobs_with_ready_.insert(job);
+  }
+}
+
+void Scheduler::AddTask(const TaskId& task, const TaskAttempts& attempts) {
+  if (IsKnown(task)) {
+    return;
+  }
+  if (attempts.epoch > 0) {
+    jobs_[task.job].entries[task.number].attempts = attempts;
+  }
+  AddTasks(task.job, task.number, 1);
 }
 
 void Scheduler::RestoreLease(const TaskId& task,
                              const TaskAttempts& attempts,
                              const WorkerId& worker,
                              MonotonicTime now) {
-  const auto [found, added] = jobs_[task.job].tasks.try_emplace(task.number);
-  if (added) {
-    Entry& entry = found->second;
-    entry.attempts = attempts;
-    entry.worker = worker;
-    entry.state = Entry::State::kLeased;
-    entry.until = LeaseEnd(now);
-    Enter(task, entry);
+  if (IsKnown(task)) {
+    return;
   }
+  jobs_[task.job].entries[task.number].attempts = attempts;
+  AddTasks(task.job, task.number, 1);
+  AddCopy(task, {.worker = worker,
+                 .epoch = attempts.epoch,
+                 .granted = now,
+                 .until = LeaseEnd(now),
+                 .ticks = {},
+                 .got_on = now});
 }
 
 std::vector<Lease> Scheduler::Grant(const WorkerId& worker, int count, MonotonicTime now) {
@@ -45,209 +79,156 @@ std::vector<Lease> Scheduler::Grant(const WorkerId& worker, int count, Monotonic
   std::vector<Lease> granted;
   for (int i = 0; i < count; ++i) {
     const std::optional<JobId> job = NextJob();
-    if (!job) {
+    if (job) {
+      last_served_ = *job;
+      granted.push_back(GrantTo(worker, {*job, PickTask(*job, worker)}, now));
+      continue;
+    }
+    const std::optional<TaskId> slow = FindSlowTask(worker, now);
+    if (!slow) {
       break;
     }
-    last_served_ = *job;
-    JobTasks& tasks = jobs_.at(*job);
-    const TaskId task{*job, *tasks.ready.begin()};
-    Entry& entry = tasks.tasks.at(task.number);
-    MoveTo(task, entry, Entry::State::kLeased, LeaseEnd(now));
-    entry.worker = worker;
-    ++entry.attempts.epoch;
-    granted.push_back({task, entry.attempts.epoch});
+    granted.push_back(GrantTo(worker, *slow, now));
   }
   return granted;
 }
 
-std::vector<Lease> Scheduler::Renew(const WorkerId& worker,
-                                    const std::vector<Lease>& held,
-                                    MonotonicTime now) {
-  std::vector<Lease> lost;
-  for (const Lease& lease : held) {
-    Entry* entry = FindLeased(lease);
-    if (entry != nullptr && entry->worker == worker) {
-      MoveTo(lease.task, *entry, Entry::State::kLeased, LeaseEnd(now));
-    } else {
-      lost.push_back(lease);
+Renewal Scheduler::Renew(const WorkerId& worker,
+                         const std::vector<HeldTask>& held,
+                         MonotonicTime now) {
+  Renewal renewal;
+  std::map<Lease, MonotonicTime> told;
+  const auto told_before = told_.find(worker);
+  const auto refuse = [&](const Lease& lease) {
+    MonotonicTime since = now;
+    if (told_before != told_.end()) {
+      const auto found = told_before->second.find(lease);
+      since = found == told_before->second.end() ? now : found->second;
     }
+    renewal.is_wedged |= SecondsBetween(since, now) >= options_.evict_seconds;
+    renewal.lost.push_back(lease);
+    told.emplace(lease, since);
+  };
+  for (const HeldTask& task : held) {
+    Copy* copy = FindCopy(task.lease);
+    if (copy == nullptr || copy->worker != worker) {
+      refuse(task.lease);
+      continue;
+    }
+    if (copy->ticks != task.ticks || task.ticks == HeldTask::kNotBegun) {
+      copy->ticks = task.ticks;
+      copy->got_on = now;
+    } else if (SecondsBetween(copy->got_on, now) >= options_.stall_seconds) {
+      if (Lose(task.lease)) {
+        renewal.given_up.push_back(task.lease.task);
+      }
+      refuse(task.lease);
+      continue;
+    }
+    expiries_.erase({copy->until, task.lease.task, copy->epoch});
+    copy->until = LeaseEnd(now);
+    expiries_.emplace(copy->until, task.lease.task, copy->epoch);
   }
-  return lost;
+  if (told.empty()) {
+    told_.erase(worker);
+  } else {
+    told_[worker] = std::move(told);
+  }
+  return renewal;
 }
 
-CompletionVerdict Scheduler::Complete(const Lease& lease) {
-  Entry* entry = Find(lease.task);
-  if (entry == nullptr || entry->state == Entry::State::kGivenUp) {
+CompletionVerdict Scheduler::Complete(const Lease& lease, MonotonicTime now) {
+  if (!IsKnown(lease.task)) {
     return CompletionVerdict::kNotActive;
   }
-  if (entry->state == Entry::State::kDone) {
+  JobTasks& tasks = jobs_.at(lease.task.job);
+  if (tasks.done.Contains(lease.task.number)) {
     return CompletionVerdict::kDuplicate;
   }
+  const Entry* entry = Find(lease.task);
+  if (entry != nullptr && entry->state == Entry::State::kGivenUp) {
+    return CompletionVerdict::kNotActive;
+  }
+  if (const Copy* copy = FindCopy(lease); copy != nullptr) {
+    tasks.durations[TraitsOf(lease.task).stage].Add(SecondsBetween(copy->granted, now));
+  }
   // Whatever the epoch: the task is pure, so the first result is as good as any later one.
-  MoveTo(lease.task, *entry, Entry::State::kDone);
+  while (entry != nullptr && !entry->copies.empty()) {
+    DropCopy({lease.task, entry->copies.back().epoch}, Entry::State::kReady);
+    entry = Find(lease.task);
+  }
+  MoveTo(lease.task, Entry::State::kGivenUp);  // Out of every index.
+  tasks.entries.erase(lease.task.number);
+  tasks.done.Insert(lease.task.number);
   return CompletionVerdict::kAccepted;
 }
 
 bool Scheduler::Release(const Lease& lease, MonotonicTime /*now*/) {
-  Entry* entry = FindLeased(lease);
-  if (entry == nullptr) {
+  if (FindCopy(lease) == nullptr) {
     return false;
   }
-  MoveTo(lease.task, *entry, Entry::State::kReady);
+  DropCopy(lease, Entry::State::kReady);
   return true;
 }
 
 bool Scheduler::Fail(const Lease& lease, bool retryable, MonotonicTime now) {
-  Entry* entry = FindLeased(lease);
-  if (entry == nullptr) {
+  if (FindCopy(lease) == nullptr) {
     return false;
   }
-  const int failures = ++entry->attempts.failures;
+  Entry& entry = *Find(lease.task);
+  const int failures = ++entry.attempts.failures;
   if (!retryable || failures >= options_.max_failures) {
-    MoveTo(lease.task, *entry, Entry::State::kGivenUp);
+    // Its other copy would fail in the same way; if not, its result comes too late.
+    while (entry.copies.size() > 1) {
+      DropCopy({lease.task, entry.copies.back().epoch == lease.epoch ? entry.copies.front().epoch
+                                                                     : entry.copies.back().epoch},
+               Entry::State::kReady);
+    }
+    DropCopy(lease, Entry::State::kGivenUp);
     return true;
   }
   const double wait = std::ldexp(options_.retry_seconds, std::min(failures - 1, kMaxDoublings));
-  MoveTo(lease.task, *entry, Entry::State::kWaiting, now + Seconds(wait));
+  DropCopy(lease, Entry::State::kWaiting, now + Seconds(wait));
   return false;
 }
 
 std::vector<TaskId> Scheduler::Expire(MonotonicTime now) {
   std::vector<TaskId> given_up;
-  while (!leased_.empty() && leased_.begin()->first <= now) {
-    const TaskId task = leased_.begin()->second;
-    Entry& entry = *Find(task);
-    if (++entry.attempts.losses >= options_.max_losses) {
-      MoveTo(task, entry, Entry::State::kGivenUp);
+  while (!expiries_.empty() && std::get<0>(*expiries_.begin()) <= now) {
+    const auto [until, task, epoch] = *expiries_.begin();
+    if (Lose({task, epoch})) {
       given_up.push_back(task);
-    } else {
-      MoveTo(task, entry, Entry::State::kReady);
     }
   }
   return given_up;
 }
 
-void Scheduler::RemoveJob(const JobId& job) {
-  const auto found = jobs_.find(job);
-  if (found == jobs_.end()) {
-    return;
-  }
-  for (const auto& [number, entry] : found->second.tasks) {
-    Leave({job, number}, entry);
-  }
-  jobs_.erase(found);
-}
-
-bool Scheduler::HasReadyTask(MonotonicTime now) const {
-  return !jobs_with_ready_.empty() || (!waiting_.empty() && waiting_.begin()->first <= now);
-}
-
-TaskAttempts Scheduler::AttemptsOf(const TaskId& task) const {
-  const Entry* entry = Find(task);
-  return entry == nullptr ? TaskAttempts() : entry->attempts;
-}
-
-std::optional<Lease> Scheduler::LeaseOf(const TaskId& task) const {
-  const Entry* entry = Find(task);
-  if (entry == nullptr || entry->state != Entry::State::kLeased) {
-    return std::nullopt;
-  }
-  return Lease{task, entry->attempts.epoch};
-}
-
-int64_t Scheduler::ReadyCount() const {
-  return ready_count_ + static_cast<int64_t>(waiting_.size());
-}
-
-int64_t Scheduler::LeasedCount() const {
-  return static_cast<int64_t>(leased_.size());
-}
-
-Scheduler::Entry* Scheduler::Find(const TaskId& task) {
-  return const_cast<Entry*>(std::as_const(*this).Find(task));
-}
-
-const Scheduler::Entry* Scheduler::Find(const TaskId& task) const {
-  const auto job = jobs_.find(task.job);
-  if (job == jobs_.end()) {
-    return nullptr;
-  }
-  const auto found = job->second.tasks.find(task.number);
-  return found == job->second.tasks.end() ? nullptr : &found->second;
-}
-
-Scheduler::Entry* Scheduler::FindLeased(const Lease& lease) {
-  Entry* entry = Find(lease.task);
-  const bool current = entry != nullptr && entry->state == Entry::State::kLeased &&
-                       entry->attempts.epoch == lease.epoch;
-  return current ? entry : nullptr;
-}
-
-void Scheduler::MoveTo(const TaskId& task, Entry& entry, Entry::State state, MonotonicTime until) {
-  Leave(task, entry);
-  entry.state = state;
-  entry.until = until;
-  if (state != Entry::State::kLeased) {
-    entry.worker = WorkerId();
-  }
-  Enter(task, entry);
-}
-
-void Scheduler::Enter(const TaskId& task, const Entry& entry) {
-  switch (entry.state) {
-    case Entry::State::kReady:
-      jobs_.at(task.job).ready.insert(task.number);
-      jobs_with_ready_.insert(task.job);
-      ++ready_count_;
-      break;
-    case Entry::State::kWaiting:
-      waiting_.emplace(entry.until, task);
-      break;
-    case Entry::State::kLeased:
-      leased_.emplace(entry.until, task);
-      break;
-    case Entry::State::kDone:
-    case Entry::State::kGivenUp:
-      break;
-  }
-}
-
-void Scheduler::Leave(const TaskId& task, const Entry& entry) {
-  switch (entry.state) {
-    case Entry::State::kReady: {
-      std::set<int64_t>& ready = jobs_.at(task.job).ready;
-      ready.erase(task.number);
-      if (ready.empty()) {
-        jobs_with_ready_.erase(task.job);
-      }
-      --ready_count_;
+std::optional<TaskId> Scheduler::FindSlowTask(const WorkerId& worker, MonotonicTime now) const {
+  int looked_at = 0;
+  for (const auto& [granted, task] : single_copies_) {
+    if (++looked_at > kCopyCandidates) {
       break;
     }
-    case Entry::State::kWaiting:
-      waiting_.erase({entry.until, task});
-      break;
-    case Entry::State::kLeased:
-      leased_.erase({entry.until, task});
-      break;
-    case Entry::State::kDone:
-    case Entry::State::kGivenUp:
-      break;
+    const Copy& copy = Find(task)->copies.front();
+    if (copy.worker != worker && !jobs_.at(task.job).options.is_paused && IsSlow(task, copy, now)) {
+      return task;
+    }
   }
+  return std::nullopt;
 }
 
-void Scheduler::WakeWaiting(MonotonicTime now) {
-  while (!waiting_.empty() && waiting_.begin()->first <= now) {
-    const TaskId task = waiting_.begin()->second;
-    MoveTo(task, *Find(task), Entry::State::kReady);
+bool Scheduler::IsSlow(const TaskId& task, const Copy& copy, MonotonicTime now) const {
+  const double seconds = SecondsBetween(copy.granted, now);
+  if (copy.ticks == HeldTask::kNotBegun) {
+    return seconds >= kQueueSeconds;
   }
-}
-
-std::optional<JobId> Scheduler::NextJob() const {
-  if (jobs_with_ready_.empty()) {
-    return std::nullopt;
+  const auto& durations = jobs_.at(task.job).durations;
+  const auto usual = durations.find(TraitsOf(task).stage);
+  if (usual == durations.end() || usual->second.Count() < kLeastSamples) {
+    return false;
   }
-  const auto next = jobs_with_ready_.upper_bound(last_served_);
-  return next == jobs_with_ready_.end() ? *jobs_with_ready_.begin() : *next;
+  return seconds >=
+         std::max(options_.least_copy_seconds, options_.copy_factor * usual->second.Quantile(0.95));
 }
 
 MonotonicTime Scheduler::LeaseEnd(MonotonicTime now) const {

@@ -28,6 +28,19 @@ Lease L(const JobId& job, int64_t number, int64_t epoch) {
   return {{job, number}, epoch};
 }
 
+/// The leases that a worker has lost, told that all of them get on.
+std::vector<Lease> Renew(Scheduler& scheduler,
+                         const WorkerId& worker,
+                         const std::vector<Lease>& leases,
+                         MonotonicTime now) {
+  static int64_t ticks = 0;
+  std::vector<HeldTask> held;
+  for (const Lease& lease : leases) {
+    held.push_back({.lease = lease, .ticks = ++ticks});
+  }
+  return scheduler.Renew(worker, held, now).lost;
+}
+
 Scheduler WithTasks(const JobId& job, int64_t count) {
   Scheduler scheduler(kOptions);
   for (int64_t number = 0; number < count; ++number) {
@@ -114,13 +127,13 @@ TEST(SchedulerExpire, GivesATaskUpThatLostTooManyWorkers) {
   (void)scheduler.Grant(kAnna, 1, At(1000));
   EXPECT_THAT(scheduler.Expire(At(1060)), ElementsAre(TaskId{kA, 0}));
   EXPECT_THAT(scheduler.Grant(kAnna, 5, At(1060)), ElementsAre(L(kA, 1, 4)));
-  EXPECT_EQ(scheduler.Complete(L(kA, 0, 4)), CompletionVerdict::kNotActive);
+  EXPECT_EQ(scheduler.Complete(L(kA, 0, 4), At(0)), CompletionVerdict::kNotActive);
 }
 
 TEST(SchedulerRenew, KeepsALeaseAlive) {
   Scheduler scheduler = WithTasks(kA, 1);
   const std::vector<Lease> held = scheduler.Grant(kAnna, 1, At(0));
-  EXPECT_THAT(scheduler.Renew(kAnna, held, At(50)), IsEmpty());
+  EXPECT_THAT(Renew(scheduler, kAnna, held, At(50)), IsEmpty());
   EXPECT_THAT(scheduler.Expire(At(109)), IsEmpty());
   EXPECT_EQ(scheduler.LeasedCount(), 1);
   (void)scheduler.Expire(At(110));
@@ -132,22 +145,22 @@ TEST(SchedulerRenew, NamesTheLeasesThatAreGone) {
   scheduler.AddTask({kB, 0});
   const std::vector<Lease> held = scheduler.Grant(kAnna, 6, At(0));
   ASSERT_EQ(held.size(), 6u);
-  (void)scheduler.Renew(kAnna, {L(kA, 0, 1), L(kA, 3, 1), L(kA, 4, 1)}, At(30));
+  (void)Renew(scheduler, kAnna, {L(kA, 0, 1), L(kA, 3, 1), L(kA, 4, 1)}, At(30));
   (void)scheduler.Expire(At(60));           // Task 1 and 2 of A run out, and B's.
   (void)scheduler.Grant(kBert, 1, At(60));  // Task 1 goes to Bert, epoch 2.
-  (void)scheduler.Complete(L(kA, 3, 1));
+  (void)scheduler.Complete(L(kA, 3, 1), At(0));
   scheduler.RemoveJob(kB);
-  EXPECT_THAT(scheduler.Renew(kAnna, held, At(61)),
+  EXPECT_THAT(Renew(scheduler, kAnna, held, At(61)),
               ElementsAre(L(kB, 0, 1), L(kA, 1, 1), L(kA, 2, 1), L(kA, 3, 1)));
-  EXPECT_THAT(scheduler.Renew(kBert, {L(kA, 0, 1)}, At(61)), ElementsAre(L(kA, 0, 1)))
+  EXPECT_THAT(Renew(scheduler, kBert, {L(kA, 0, 1)}, At(61)), ElementsAre(L(kA, 0, 1)))
       << "the lease of another worker";
 }
 
 TEST(SchedulerComplete, TakesTheFirstResultAndKnowsTheSecond) {
   Scheduler scheduler = WithTasks(kA, 1);
   (void)scheduler.Grant(kAnna, 1, At(0));
-  EXPECT_EQ(scheduler.Complete(L(kA, 0, 1)), CompletionVerdict::kAccepted);
-  EXPECT_EQ(scheduler.Complete(L(kA, 0, 1)), CompletionVerdict::kDuplicate);
+  EXPECT_EQ(scheduler.Complete(L(kA, 0, 1), At(0)), CompletionVerdict::kAccepted);
+  EXPECT_EQ(scheduler.Complete(L(kA, 0, 1), At(0)), CompletionVerdict::kDuplicate);
   EXPECT_EQ(scheduler.LeasedCount(), 0);
   EXPECT_THAT(scheduler.Expire(At(1000)), IsEmpty());
   EXPECT_FALSE(scheduler.HasReadyTask(At(1000)));
@@ -157,7 +170,7 @@ TEST(SchedulerComplete, TakesTheLateResultOfAnExpiredLease) {
   Scheduler scheduler = WithTasks(kA, 1);
   (void)scheduler.Grant(kAnna, 1, At(0));
   (void)scheduler.Expire(At(60));
-  EXPECT_EQ(scheduler.Complete(L(kA, 0, 1)), CompletionVerdict::kAccepted);
+  EXPECT_EQ(scheduler.Complete(L(kA, 0, 1), At(0)), CompletionVerdict::kAccepted);
   EXPECT_THAT(scheduler.Grant(kBert, 1, At(60)), IsEmpty());
 }
 
@@ -166,15 +179,15 @@ TEST(SchedulerComplete, TakesALateResultWhileAnotherWorkerRunsTheTask) {
   (void)scheduler.Grant(kAnna, 1, At(0));
   (void)scheduler.Expire(At(60));
   const std::vector<Lease> second = scheduler.Grant(kBert, 1, At(60));
-  EXPECT_EQ(scheduler.Complete(L(kA, 0, 1)), CompletionVerdict::kAccepted);
-  EXPECT_EQ(scheduler.Renew(kBert, second, At(61)), second) << "Bert is told to stop";
-  EXPECT_EQ(scheduler.Complete(second[0]), CompletionVerdict::kDuplicate);
+  EXPECT_EQ(scheduler.Complete(L(kA, 0, 1), At(0)), CompletionVerdict::kAccepted);
+  EXPECT_EQ(Renew(scheduler, kBert, second, At(61)), second) << "Bert is told to stop";
+  EXPECT_EQ(scheduler.Complete(second[0], At(0)), CompletionVerdict::kDuplicate);
 }
 
 TEST(SchedulerComplete, RefusesWhatIsNotActive) {
   Scheduler scheduler = WithTasks(kA, 1);
-  EXPECT_EQ(scheduler.Complete(L(kA, 1, 1)), CompletionVerdict::kNotActive);
-  EXPECT_EQ(scheduler.Complete(L(kB, 0, 1)), CompletionVerdict::kNotActive);
+  EXPECT_EQ(scheduler.Complete(L(kA, 1, 1), At(0)), CompletionVerdict::kNotActive);
+  EXPECT_EQ(scheduler.Complete(L(kB, 0, 1), At(0)), CompletionVerdict::kNotActive);
 }
 
 TEST(SchedulerRelease, IsNoFailureAndNoLoss) {
@@ -211,7 +224,7 @@ TEST(SchedulerFail, GivesUpAtOnceWhenARetryCannotHelp) {
   (void)scheduler.Grant(kAnna, 1, At(0));
   EXPECT_TRUE(scheduler.Fail(L(kA, 0, 1), false, At(0)));
   EXPECT_FALSE(scheduler.HasReadyTask(At(1000)));
-  EXPECT_EQ(scheduler.Complete(L(kA, 0, 1)), CompletionVerdict::kNotActive);
+  EXPECT_EQ(scheduler.Complete(L(kA, 0, 1), At(0)), CompletionVerdict::kNotActive);
 }
 
 TEST(SchedulerFail, IgnoresAStaleLease) {
@@ -227,7 +240,7 @@ TEST(SchedulerFail, IgnoresAStaleLease) {
 TEST(SchedulerRemoveJob, ForgetsTasksInEveryState) {
   Scheduler scheduler = WithTasks(kA, 4);
   (void)scheduler.Grant(kAnna, 3, At(0));
-  (void)scheduler.Complete(L(kA, 0, 1));
+  (void)scheduler.Complete(L(kA, 0, 1), At(0));
   (void)scheduler.Fail(L(kA, 1, 1), true, At(0));
   scheduler.AddTask({kB, 0});
   scheduler.RemoveJob(kA);
@@ -235,7 +248,7 @@ TEST(SchedulerRemoveJob, ForgetsTasksInEveryState) {
   EXPECT_EQ(scheduler.ReadyCount(), 1);
   EXPECT_EQ(scheduler.LeasedCount(), 0);
   EXPECT_THAT(scheduler.Expire(At(1000)), IsEmpty());
-  EXPECT_EQ(scheduler.Complete(L(kA, 2, 1)), CompletionVerdict::kNotActive);
+  EXPECT_EQ(scheduler.Complete(L(kA, 2, 1), At(0)), CompletionVerdict::kNotActive);
   EXPECT_FALSE(scheduler.Release(L(kA, 2, 1), At(0)));
   EXPECT_FALSE(scheduler.Fail(L(kA, 2, 1), true, At(0)));
   EXPECT_THAT(scheduler.Grant(kAnna, 9, At(1000)), ElementsAre(L(kB, 0, 1)));
@@ -247,11 +260,11 @@ TEST(SchedulerRestoreLease, GivesTheWorkerOneLeaseTimeToReport) {
   scheduler.RestoreLease({kA, 1}, {.epoch = 1, .failures = 0, .losses = 0}, kBert, At(500));
   EXPECT_FALSE(scheduler.HasReadyTask(At(500)));
   EXPECT_EQ(scheduler.LeaseOf({kA, 0}), L(kA, 0, 3));
-  EXPECT_THAT(scheduler.Renew(kAnna, {L(kA, 0, 3)}, At(559)), IsEmpty());
+  EXPECT_THAT(Renew(scheduler, kAnna, {L(kA, 0, 3)}, At(559)), IsEmpty());
   EXPECT_THAT(scheduler.Expire(At(560)), IsEmpty());
   EXPECT_THAT(scheduler.Grant(kAnna, 9, At(560)), ElementsAre(L(kA, 1, 2)));
   EXPECT_EQ(scheduler.AttemptsOf({kA, 0}).losses, 2);
-  EXPECT_EQ(scheduler.Complete(L(kA, 0, 3)), CompletionVerdict::kAccepted);
+  EXPECT_EQ(scheduler.Complete(L(kA, 0, 3), At(0)), CompletionVerdict::kAccepted);
 }
 
 TEST(Scheduler, KnowsNothingOfUnknownTasks) {
@@ -267,7 +280,7 @@ TEST(Scheduler, ServesAHundredThousandTasks) {
   int64_t done = 0;
   for (double seconds = 0; done < 100000; ++seconds) {
     for (const Lease& lease : scheduler.Grant(kAnna, 64, At(seconds))) {
-      ASSERT_EQ(scheduler.Complete(lease), CompletionVerdict::kAccepted);
+      ASSERT_EQ(scheduler.Complete(lease, At(0)), CompletionVerdict::kAccepted);
       ++done;
     }
   }
