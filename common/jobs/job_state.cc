@@ -60,7 +60,7 @@ nlohmann::json ToJson(const JobOutputs& outputs) {
 
 absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
   JobOutputs outputs;
-  JsonFields fields(json, "job outputs", absl::StatusCode::kDataLoss, Presence::kRequired);
+  JsonFields fields(json, "job outputs", absl::StatusCode::kDataLoss, Presence::kOptional);
   fields.Read("tiles", outputs.tiles);
   fields.Read("alignments", outputs.alignments);
   fields.Read("mean_shape", outputs.mean_shape);
@@ -68,9 +68,7 @@ absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
   fields.Read("fields", outputs.fields);
   fields.Read("base_choice", outputs.base_choice);
   fields.Read("preview", outputs.preview);
-  if (json.contains("variation_shape")) {  // Not in catalogs older than the arithmetic fidentis.
-    fields.Read("variation_shape", outputs.variation_shape);
-  }
+  fields.Read("variation_shape", outputs.variation_shape);
   fields.Read("poses", outputs.poses);
   COHORT_RETURN_IF_ERROR(fields.Finish());
   return outputs;

@@ -86,6 +86,8 @@ struct Job {
 };
 
 [[nodiscard]] nlohmann::json ToJson(const JobOutputs& outputs);
+/// Fields that are missing take their defaults, as TaskResultFromJson does.
+/// @return kDataLoss naming the field.
 [[nodiscard]] absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json);
 
 }  // namespace cohort

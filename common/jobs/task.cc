@@ -159,7 +159,7 @@ json ToJson(const TaskResult& result) {
 
 absl::StatusOr<TaskResult> TaskResultFromJson(const json& json) {
   TaskResult result;
-  JsonFields fields(json, "task result", absl::StatusCode::kDataLoss, Presence::kRequired);
+  JsonFields fields(json, "task result", absl::StatusCode::kDataLoss, Presence::kOptional);
   fields.Read("output", result.output);
   fields.Read("second_output", result.second_output);
   fields.ReadObjects("ingested", [&result](JsonFields& mesh) {
@@ -179,9 +179,7 @@ absl::StatusOr<TaskResult> TaskResultFromJson(const json& json) {
   fields.ReadObject("counters",
                     [&result](JsonFields& counters) { ReadCounters(counters, result.counters); });
   fields.Read("seconds", result.seconds);
-  if (json.contains("placed")) {  // Not in catalogs older than the arithmetic fidentis.
-    fields.Read("placed", result.placed);
-  }
+  fields.Read("placed", result.placed);
   fields.Read("fields", result.fields);
   fields.Read("change", result.change);
   fields.Read("base", result.base);

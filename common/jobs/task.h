@@ -149,6 +149,9 @@ struct TaskResult {
 [[nodiscard]] nlohmann::json ToJson(const MeshHealth& health);
 [[nodiscard]] nlohmann::json ToJson(const Counters& counters);
 [[nodiscard]] nlohmann::json ToJson(const TaskResult& result);
+/// Reads what any earlier build wrote: a field that is missing takes its default, so the default of
+/// a new field must mean what builds before it did. An unknown field is refused: a newer build
+/// wrote it, and to drop it would change what the result says.
 /// @return kDataLoss naming the field.
 [[nodiscard]] absl::StatusOr<TaskResult> TaskResultFromJson(const nlohmann::json& json);
 

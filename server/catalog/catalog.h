@@ -2,8 +2,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,6 +43,14 @@ struct TaskRecord {
   std::string worker;                ///< Empty: not leased.
   std::optional<TaskResult> result;  ///< Set when done.
   std::string last_error;
+};
+
+/// A task that is done and what it changes.
+struct Completion {
+  Job job;
+  TaskRecord task;                                        ///< With its result.
+  std::vector<std::pair<Digest, IngestedMesh>> ingested;  ///< By digest of the raw file.
+  std::string action_key;  ///< Remembers the result under it; empty: not remembered.
 };
 
 /// All that the server must not lose, in SQL. What a call acknowledged survives a crash
@@ -102,11 +113,36 @@ class Catalog {
   [[nodiscard]] absl::Status SaveTasks(const JobId& job, const std::vector<TaskRecord>& tasks);
   /// By number.
   [[nodiscard]] absl::StatusOr<std::vector<TaskRecord>> LoadTasks(const JobId& job);
-  /// Several of the above as one transaction: all of it or nothing.
-  [[nodiscard]] absl::Status SaveCompletion(
-      const Job& job,
-      const TaskRecord& task,
-      const std::vector<std::pair<Digest, IngestedMesh>>& ingested);
+  /// Tasks done, of any jobs: one transaction for all (group commit), so all are durable or none
+  /// is. Of several completions of one job, the last tells the job's row; a result replaces what
+  /// was remembered under its action key.
+  /// @param now_unix_ms  when the results were made, for ForgetActions.
+  /// @return kNotFound naming the job that is missing.
+  [[nodiscard]] absl::Status SaveCompletions(std::span<const Completion> completions,
+                                             int64_t now_unix_ms);
+  /// Results remembered under any of `keys`; keys that are not known are left out.
+  [[nodiscard]] absl::StatusOr<std::map<std::string, TaskResult>> FindActions(
+      const std::vector<std::string>& keys);
+
+  /// Removes a job with its meshes and tasks; what others share (ingested meshes, remembered
+  /// results) stays. Its id is never given out again.
+  /// @return kNotFound naming the job; kFailedPrecondition, reason JOB_NOT_FINISHED.
+  [[nodiscard]] absl::Status DeleteJob(const JobId& id);
+  /// Removes a mesh from a set; jobs keep their snapshots. A set without meshes is no more.
+  /// @return kNotFound naming the set or the mesh.
+  [[nodiscard]] absl::Status RemoveMesh(const std::string& set, const std::string& name);
+  /// @return kNotFound naming the set.
+  [[nodiscard]] absl::Status DeleteSet(const std::string& set);
+  /// Forgets results remembered before that time. @return how many.
+  [[nodiscard]] absl::StatusOr<int64_t> ForgetActions(int64_t created_before_unix_ms);
+  /// Forgets what ingest made of files that no set and no job has any more. @return how many.
+  [[nodiscard]] absl::StatusOr<int64_t> ForgetUnusedIngested();
+
+  /// Tells each blob that any row refers to: what a garbage collector must leave alone. A blob may
+  /// be told several times. Goes page by page, in bounded memory, while other calls go on: a row
+  /// that comes meanwhile may be missed, so the collector must leave young blobs alone, too.
+  /// @param visit  called without any lock held; its error ends the walk and is returned.
+  [[nodiscard]] absl::Status VisitBlobs(const std::function<absl::Status(const Digest&)>& visit);
 
  private:
   explicit Catalog(std::unique_ptr<Database> database);

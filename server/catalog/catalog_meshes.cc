@@ -60,21 +60,20 @@ void CutToPage(Listing listing, int page_size, Page<T>& page) {
 
 }  // namespace
 
-void UpsertIngested(soci::session& sql,
-                    int position_bits,
-                    const std::vector<std::pair<Digest, IngestedMesh>>& meshes) {
-  std::string raw;
-  std::string result;
-  soci::statement upsert =
-      (sql.prepare << "INSERT INTO ingested (raw, position_bits, result) "
-                      "VALUES (:raw, :position_bits, :result) "
-                      "ON CONFLICT (raw, position_bits) DO UPDATE SET result = excluded.result",
-       soci::use(raw), soci::use(position_bits), soci::use(result));
-  for (const auto& [digest, mesh] : meshes) {
-    raw = digest.Hex();
-    result = IngestedToText(mesh);
-    upsert.execute(true);
-  }
+IngestedWriter::IngestedWriter(soci::session& sql)
+    : upsert_(
+          (sql.prepare << "INSERT INTO ingested (raw, position_bits, result) "
+                          "VALUES (:raw, :position_bits, :result) "
+                          "ON CONFLICT (raw, position_bits) DO UPDATE SET result = excluded.result",
+           soci::use(raw_),
+           soci::use(position_bits_),
+           soci::use(result_))) {}
+
+void IngestedWriter::Write(const Digest& raw, int position_bits, const IngestedMesh& mesh) {
+  raw_ = raw.Hex();
+  position_bits_ = position_bits;
+  result_ = IngestedToText(mesh);
+  upsert_.execute(true);
 }
 
 absl::Status Catalog::AddMesh(const std::string& set, const SetMesh& mesh) {
@@ -148,7 +147,7 @@ absl::Status Catalog::RecordIngested(const Digest& raw,
                                      int position_bits,
                                      const IngestedMesh& mesh) {
   return database_->Write([&](soci::session& sql) {
-    UpsertIngested(sql, position_bits, {{raw, mesh}});
+    IngestedWriter(sql).Write(raw, position_bits, mesh);
     return absl::OkStatus();
   });
 }

@@ -1,5 +1,6 @@
-// Tasks and what they tell.
+// Tasks, what they tell, and what is remembered of them.
 
+#include <algorithm>
 #include <utility>
 
 #include "common/base/status_macros.h"
@@ -12,26 +13,70 @@
 namespace cohort {
 namespace {
 
-void UpsertTasks(soci::session& sql, int64_t job, const std::vector<TaskRecord>& tasks) {
-  TaskRecord task;
-  std::string result;
-  soci::statement upsert =
-      (sql.prepare << "INSERT INTO task (job, number, epoch, failures, losses, worker, result, "
-                      "last_error) VALUES (:job, :number, :epoch, :failures, :losses, :worker, "
-                      ":result, :last_error) "
-                      "ON CONFLICT (job, number) DO UPDATE SET epoch = excluded.epoch, "
-                      "failures = excluded.failures, losses = excluded.losses, "
-                      "worker = excluded.worker, result = excluded.result, "
-                      "last_error = excluded.last_error",
-       soci::use(job), soci::use(task.number), soci::use(task.epoch), soci::use(task.failures),
-       soci::use(task.losses), soci::use(task.worker), soci::use(result),
-       soci::use(task.last_error));
-  for (const TaskRecord& record : tasks) {
-    task = record;
-    result = record.result.has_value() ? ResultToText(*record.result) : std::string();
-    upsert.execute(true);
+constexpr size_t kKeysPerQuery = 500;
+
+class TaskWriter {
+ public:
+  explicit TaskWriter(soci::session& sql)
+      : upsert_((sql.prepare << "INSERT INTO task (job, number, epoch, failures, losses, worker, "
+                                "result, last_error) VALUES (:job, :number, :epoch, :failures, "
+                                ":losses, :worker, :result, :last_error) "
+                                "ON CONFLICT (job, number) DO UPDATE SET epoch = excluded.epoch, "
+                                "failures = excluded.failures, losses = excluded.losses, "
+                                "worker = excluded.worker, result = excluded.result, "
+                                "last_error = excluded.last_error",
+                 soci::use(job_),
+                 soci::use(task_.number),
+                 soci::use(task_.epoch),
+                 soci::use(task_.failures),
+                 soci::use(task_.losses),
+                 soci::use(task_.worker),
+                 soci::use(result_),
+                 soci::use(task_.last_error))) {}
+
+  void Write(int64_t job, const TaskRecord& task) {
+    job_ = job;
+    task_.number = task.number;
+    task_.epoch = task.epoch;
+    task_.failures = task.failures;
+    task_.losses = task.losses;
+    task_.worker = task.worker;
+    result_ = task.result.has_value() ? ResultToText(*task.result) : std::string();
+    task_.last_error = task.last_error;
+    upsert_.execute(true);
   }
-}
+
+ private:
+  int64_t job_ = 0;
+  TaskRecord task_;  ///< Without its result.
+  std::string result_;
+  soci::statement upsert_;
+};
+
+class ActionWriter {
+ public:
+  ActionWriter(soci::session& sql, int64_t now_unix_ms)
+      : now_unix_ms_(now_unix_ms),
+        upsert_((sql.prepare << "INSERT INTO action (action_key, result, created_unix_ms) "
+                                "VALUES (:action_key, :result, :now) "
+                                "ON CONFLICT (action_key) DO UPDATE SET result = excluded.result, "
+                                "created_unix_ms = excluded.created_unix_ms",
+                 soci::use(key_),
+                 soci::use(result_),
+                 soci::use(now_unix_ms_))) {}
+
+  void Write(const std::string& key, const TaskResult& result) {
+    key_ = key;
+    result_ = ResultToText(result);
+    upsert_.execute(true);
+  }
+
+ private:
+  std::string key_;
+  std::string result_;
+  int64_t now_unix_ms_;
+  soci::statement upsert_;
+};
 
 absl::StatusOr<std::vector<TaskRecord>> SelectTasks(soci::session& sql, int64_t job) {
   TaskRecord task;
@@ -54,12 +99,66 @@ absl::StatusOr<std::vector<TaskRecord>> SelectTasks(soci::session& sql, int64_t 
   return tasks;
 }
 
+absl::Status SelectActions(soci::session& sql,
+                           std::span<const std::string> keys,
+                           std::map<std::string, TaskResult>& found) {
+  std::string list;
+  for (size_t i = 0; i < keys.size(); ++i) {
+    list += (i == 0 ? ":k" : ", :k") + std::to_string(i);
+  }
+  std::string key;
+  std::string result;
+  soci::statement select(sql);
+  select.alloc();
+  select.prepare("SELECT action_key, result FROM action WHERE action_key IN (" + list + ")");
+  select.exchange(soci::into(key));
+  select.exchange(soci::into(result));
+  for (const std::string& wanted : keys) {
+    select.exchange(soci::use(wanted));
+  }
+  select.define_and_bind();
+  select.execute();
+  while (select.fetch()) {
+    COHORT_ASSIGN_OR_RETURN(found[key], ResultFromText(result));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status InsertCompletions(soci::session& sql,
+                               std::span<const Completion> completions,
+                               int64_t now_unix_ms) {
+  std::map<std::string, const Job*> jobs;
+  for (const Completion& completion : completions) {
+    jobs[completion.job.id.value] = &completion.job;  // The last one of each.
+  }
+  for (const auto& [id, job] : jobs) {
+    COHORT_RETURN_IF_ERROR(UpdateJobRow(sql, *job));
+  }
+  TaskWriter tasks(sql);
+  IngestedWriter ingested(sql);
+  ActionWriter actions(sql, now_unix_ms);
+  for (const Completion& completion : completions) {
+    COHORT_ASSIGN_OR_RETURN(const int64_t job, NumberOf(completion.job.id));
+    tasks.Write(job, completion.task);
+    for (const auto& [raw, mesh] : completion.ingested) {
+      ingested.Write(raw, completion.job.spec.position_bits, mesh);
+    }
+    if (!completion.action_key.empty() && completion.task.result.has_value()) {
+      actions.Write(completion.action_key, *completion.task.result);
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status Catalog::SaveTasks(const JobId& job, const std::vector<TaskRecord>& tasks) {
   return database_->Write([&](soci::session& sql) -> absl::Status {
     COHORT_ASSIGN_OR_RETURN(const int64_t number, RequireJob(sql, job));
-    UpsertTasks(sql, number, tasks);
+    TaskWriter writer(sql);
+    for (const TaskRecord& task : tasks) {
+      writer.Write(number, task);
+    }
     return absl::OkStatus();
   });
 }
@@ -72,16 +171,22 @@ absl::StatusOr<std::vector<TaskRecord>> Catalog::LoadTasks(const JobId& job) {
       });
 }
 
-absl::Status Catalog::SaveCompletion(const Job& job,
-                                     const TaskRecord& task,
-                                     const std::vector<std::pair<Digest, IngestedMesh>>& ingested) {
-  return database_->Write([&](soci::session& sql) -> absl::Status {
-    COHORT_RETURN_IF_ERROR(UpdateJobRow(sql, job));
-    COHORT_ASSIGN_OR_RETURN(const int64_t number, NumberOf(job.id));
-    UpsertTasks(sql, number, {task});
-    UpsertIngested(sql, job.spec.position_bits, ingested);
-    return absl::OkStatus();
-  });
+absl::Status Catalog::SaveCompletions(std::span<const Completion> completions,
+                                      int64_t now_unix_ms) {
+  return database_->Write(
+      [&](soci::session& sql) { return InsertCompletions(sql, completions, now_unix_ms); });
+}
+
+absl::StatusOr<std::map<std::string, TaskResult>> Catalog::FindActions(
+    const std::vector<std::string>& keys) {
+  std::map<std::string, TaskResult> found;
+  for (size_t begin = 0; begin < keys.size(); begin += kKeysPerQuery) {
+    const size_t count = std::min(kKeysPerQuery, keys.size() - begin);
+    COHORT_RETURN_IF_ERROR(database_->Read([&](soci::session& sql) {
+      return SelectActions(sql, std::span(keys).subspan(begin, count), found);
+    }));
+  }
+  return found;
 }
 
 }  // namespace cohort

@@ -12,7 +12,9 @@
 #include "common/base/mutex.h"
 #include "common/base/status_macros.h"
 #include "server/catalog/file_lock.h"
-#include "server/catalog/soci_sqlite.h"
+#include "server/catalog/soci_session.h"
+
+#include <soci/sqlite3/soci-sqlite3.h>
 
 namespace cohort {
 

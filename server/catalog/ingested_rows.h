@@ -1,19 +1,24 @@
 #pragma once
 
-#include <utility>
-#include <vector>
-
-#include <absl/status/status.h>
+#include <string>
 
 #include "common/jobs/task.h"
-#include "server/catalog/soci_sqlite.h"
+#include "server/catalog/soci_session.h"
 
 namespace cohort {
 
 /// Writes rows of the table ingested, over what is there: ingest is pure. Only for bodies of
-/// Database: throws what SOCI throws.
-void UpsertIngested(soci::session& sql,
-                    int position_bits,
-                    const std::vector<std::pair<Digest, IngestedMesh>>& meshes);
+/// Database: throws what SOCI throws. Not thread-safe.
+class IngestedWriter {
+ public:
+  explicit IngestedWriter(soci::session& sql);
+  void Write(const Digest& raw, int position_bits, const IngestedMesh& mesh);
+
+ private:
+  std::string raw_;
+  int position_bits_ = 0;
+  std::string result_;
+  soci::statement upsert_;
+};
 
 }  // namespace cohort

@@ -9,7 +9,7 @@
 #include <absl/status/statusor.h>
 
 #include "common/jobs/job_state.h"
-#include "server/catalog/soci_sqlite.h"
+#include "server/catalog/soci_session.h"
 
 namespace cohort {
 

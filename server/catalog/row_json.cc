@@ -20,6 +20,14 @@ absl::StatusOr<json> Parse(const char* what, const std::string& text) {
   return parsed;
 }
 
+/// Values that were renamed since a build wrote them.
+void UseTodaysNames(json& spec) {
+  const json::json_pointer scale("/icp/scale");
+  if (spec.contains(scale) && spec[scale] == "free") {
+    spec[scale] = "least-squares";
+  }
+}
+
 }  // namespace
 
 std::string LabelsToText(const std::map<std::string, std::string>& labels) {
@@ -44,7 +52,8 @@ std::string SpecToText(const JobSpec& spec) {
 }
 
 absl::StatusOr<JobSpec> SpecFromText(const std::string& text) {
-  COHORT_ASSIGN_OR_RETURN(const json parsed, Parse("job spec", text));
+  COHORT_ASSIGN_OR_RETURN(json parsed, Parse("job spec", text));
+  UseTodaysNames(parsed);
   absl::StatusOr<JobSpec> spec = JobSpecFromJson(parsed);
   if (!spec.ok()) {
     return absl::DataLossError(std::string(spec.status().message()));
@@ -68,7 +77,7 @@ std::string ProgressToText(const Progress& progress) {
 absl::StatusOr<Progress> ProgressFromText(const std::string& text) {
   COHORT_ASSIGN_OR_RETURN(const json parsed, Parse("progress", text));
   Progress progress;
-  JsonFields fields(parsed, "progress", absl::StatusCode::kDataLoss, Presence::kRequired);
+  JsonFields fields(parsed, "progress", absl::StatusCode::kDataLoss, Presence::kOptional);
   fields.Read("stage", progress.stage);
   fields.Read("tasks_done", progress.tasks_done);
   fields.Read("tasks_total", progress.tasks_total);

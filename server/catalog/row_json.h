@@ -11,7 +11,8 @@
 namespace cohort {
 
 // Values as the text of one column. Every parse returns kDataLoss naming what is wrong with the
-// text: it was written by us.
+// text: it was written by us. By this build or an earlier one: a field that is missing takes its
+// default, an unknown one (of a newer build) is refused.
 
 [[nodiscard]] std::string LabelsToText(const std::map<std::string, std::string>& labels);
 [[nodiscard]] absl::StatusOr<std::map<std::string, std::string>> LabelsFromText(

@@ -63,7 +63,16 @@ constexpr std::array<std::string_view, 8> kVersion1 = {
          PRIMARY KEY (job, number)))",
 };
 
-constexpr std::array<Migration, 1> kMigrations = {Migration(kVersion1)};
+constexpr std::array<std::string_view, 2> kVersion2 = {
+    // Finished tasks by action key: what is known is not computed again.
+    R"(CREATE TABLE action (
+         action_key TEXT NOT NULL PRIMARY KEY,
+         result TEXT NOT NULL,
+         created_unix_ms BIGINT NOT NULL))",
+    "CREATE INDEX action_by_time ON action (created_unix_ms)",
+};
+
+constexpr std::array<Migration, 2> kMigrations = {Migration(kVersion1), Migration(kVersion2)};
 
 }  // namespace
 

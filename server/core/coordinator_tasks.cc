@@ -285,7 +285,9 @@ absl::StatusOr<bool> Coordinator::CompleteTask(const WorkerId& worker,
     NoteStage(open->second.stage, active.job);
     Job next = active.job;
     ++next.version;
-    COHORT_RETURN_IF_ERROR(catalog_.SaveCompletion(next, record, ingested));
+    const Completion completion = {
+        .job = next, .task = std::move(record), .ingested = std::move(ingested), .action_key = ""};
+    COHORT_RETURN_IF_ERROR(catalog_.SaveCompletions({&completion, 1}, WallMs()));
     // On disk: from here on memory follows, and nothing below can undo it.
     scheduler_.Complete(lease);
     active.open_tasks.erase(open);

@@ -37,6 +37,7 @@ TEST(JobOutputsJson, OfAnOlderCatalogHasTheMeanShapeOnly) {
   const auto outputs = JobOutputsFromJson(older);
   ASSERT_THAT(outputs, IsOk());
   EXPECT_TRUE(outputs->variation_shape.empty());
+  EXPECT_THAT(JobOutputsFromJson(json::object()), IsOk());
 }
 
 TEST(JobOutputsJson, IsRefusedByField) {
@@ -44,8 +45,10 @@ TEST(JobOutputsJson, IsRefusedByField) {
   damaged["tiles"][1] = "xyz";
   EXPECT_THAT(JobOutputsFromJson(damaged),
               StatusIs(absl::StatusCode::kDataLoss, "job outputs.tiles: expected digests"));
-  EXPECT_THAT(JobOutputsFromJson(json::object()),
-              StatusIs(absl::StatusCode::kDataLoss, "job outputs.tiles: missing"));
+  damaged = ToJson(SomeOutputs());
+  damaged["new"] = 1;
+  EXPECT_THAT(JobOutputsFromJson(damaged),
+              StatusIs(absl::StatusCode::kDataLoss, "job outputs.new: unknown field"));
 }
 
 TEST(JobState, NamesAreTheInverseOfEachOther) {

@@ -99,7 +99,7 @@ TEST(TaskResultJson, KeepsAnEmptyResult) {
 
 struct Damage {
   std::string path;
-  std::string value;  // Empty: the field is removed.
+  std::string value;
   std::string message;
 };
 class DamagedResult : public ::testing::TestWithParam<Damage> {};
@@ -107,11 +107,7 @@ class DamagedResult : public ::testing::TestWithParam<Damage> {};
 TEST_P(DamagedResult, IsRefusedByField) {
   json damaged = ToJson(SomeResult());
   const json::json_pointer path(GetParam().path);
-  if (GetParam().value.empty()) {
-    damaged[path.parent_pointer()].erase(path.back());
-  } else {
-    damaged[path] = json::parse(GetParam().value);
-  }
+  damaged[path] = json::parse(GetParam().value);
   EXPECT_THAT(TaskResultFromJson(damaged),
               StatusIs(absl::StatusCode::kDataLoss, GetParam().message));
 }
@@ -120,7 +116,6 @@ INSTANTIATE_TEST_SUITE_P(
     Table,
     DamagedResult,
     ::testing::Values(
-        Damage{"/output", "", "task result.output: missing"},
         Damage{"/output", "\"abc\"", "task result.output: expected a digest, not \"abc\""},
         Damage{"/output", "7", "task result.output: expected a digest, not 7"},
         Damage{"/placed", "7", "task result.placed: expected a digest, not 7"},
@@ -128,7 +123,6 @@ INSTANTIATE_TEST_SUITE_P(
         Damage{"/seconds", "null", "task result.seconds: expected a number, not null"},
         Damage{"/counters", "[]", "task result.counters: expected an object"},
         Damage{"/counters/align/lookups", "1.5", "task result.counters.align.lookups: expected an"},
-        Damage{"/counters/pairs", "", "task result.counters.pairs: missing"},
         Damage{"/ingested", "{}", "task result.ingested: expected an array"},
         Damage{"/ingested/0", "1", "task result.ingested[0]: expected an object"},
         Damage{"/ingested/0/index", "4294967296", "task result.ingested[0].index: expected an"},
@@ -136,8 +130,24 @@ INSTANTIATE_TEST_SUITE_P(
         Damage{"/ingested/0/centroid/1", "\"\"", "task result.ingested[0].centroid: expected"},
         Damage{"/ingested/0/health/warnings", "[1]", "health.warnings: expected an array of str"},
         Damage{"/ingested/0/health/point_cloud", "1", "health.point_cloud: expected true or false"},
-        Damage{"/rejections/0/reason", "", "task result.rejections[0].reason: missing"},
         Damage{"/rejections/0/extra", "1", "task result.rejections[0].extra: unknown field"}));
+
+TEST(TaskResultJson, OfAnOlderBuildTakesTheDefaultOfAFieldItDidNotHave) {
+  json older = ToJson(SomeResult());
+  for (const char* path : {"/output", "/counters/pairs", "/rejections/0/reason", "/copies"}) {
+    const json::json_pointer pointer(path);
+    older[pointer.parent_pointer()].erase(pointer.back());
+  }
+  const auto result = TaskResultFromJson(older);
+  ASSERT_THAT(result, IsOk());
+  TaskResult expected = SomeResult();
+  expected.output = Digest();
+  expected.counters.pairs = 0;
+  expected.rejections[0].reason.clear();
+  expected.copies.clear();
+  EXPECT_EQ(ToJson(*result), ToJson(expected));
+  EXPECT_EQ(ToJson(TaskResultFromJson(json::object()).value()), ToJson(TaskResult()));
+}
 
 TEST(TaskResultJson, IsRefusedWhenItIsNoObject) {
   EXPECT_THAT(TaskResultFromJson(json()), StatusIs(absl::StatusCode::kDataLoss, "not null"));

@@ -229,7 +229,7 @@ TEST_F(CatalogJobsTest, NamesTheJobThatIsMissing) {
   EXPECT_THAT(catalog_->FinishJob(job, {}, {}), StatusIs(absl::StatusCode::kNotFound, "j-000002"));
   EXPECT_THAT(catalog_->SaveTasks(job.id, {SomeTask(1)}),
               StatusIs(absl::StatusCode::kNotFound, "j-000002"));
-  EXPECT_THAT(catalog_->SaveCompletion(job, SomeTask(1), {}),
+  EXPECT_THAT(catalog_->SaveCompletions({{Completion{job, SomeTask(1), {}, ""}}}, 1),
               StatusIs(absl::StatusCode::kNotFound, "j-000002"));
 }
 
@@ -305,7 +305,8 @@ TEST_F(CatalogJobsTest, SavesACompletionAsAWhole) {
   TaskRecord task = SomeTask(1);
   task.result = SomeResult();
 
-  ASSERT_THAT(catalog_->SaveCompletion(job, task, {{Sha256::Of("raw"), SomeIngested("a")}}),
+  ASSERT_THAT(catalog_->SaveCompletions(
+                  {{Completion{job, task, {{Sha256::Of("raw"), SomeIngested("a")}}, "key"}}}, 1),
               IsOk());
   Reopen();
 
@@ -324,13 +325,19 @@ TEST_F(CatalogJobsTest, SavesNothingOfACompletionThatFailsInItsLastRow) {
   unspeakable.health.warnings = {"\xff"};
 
   EXPECT_THAT(
-      catalog_->SaveCompletion(
-          job, task, {{Sha256::Of("raw"), SomeIngested("a")}, {Sha256::Of("raw 2"), unspeakable}}),
+      catalog_->SaveCompletions(
+          {{Completion{job, SomeTask(2), {}, "key"},
+            Completion{job,
+                       task,
+                       {{Sha256::Of("raw"), SomeIngested("a")}, {Sha256::Of("raw 2"), unspeakable}},
+                       "key"}}},
+          1),
       StatusIs(absl::StatusCode::kInvalidArgument, "UTF-8"));
 
   ExpectEqual(catalog_->GetJob(job.id).value(), before);
   EXPECT_TRUE(catalog_->LoadTasks(job.id).value().empty());
   EXPECT_FALSE(catalog_->FindIngested(Sha256::Of("raw"), 18).value().has_value());
+  EXPECT_TRUE(catalog_->FindActions({"key"}).value().empty());
 }
 
 TEST_F(CatalogJobsTest, CreatesAJobOfAHundredThousandMeshesInSeconds) {

@@ -1,0 +1,114 @@
+// Results that are remembered, and completions that are saved together.
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "server/catalog/catalog.h"
+#include "tests/server/catalog/catalog_fixture.h"
+
+namespace cohort {
+namespace {
+
+using testing::CatalogTest;
+using testing::IsOk;
+using testing::SomeJob;
+using testing::SomeMesh;
+using testing::SomeResult;
+using testing::SomeTask;
+using testing::StatusIs;
+
+using CatalogActionsTest = CatalogTest;
+
+Completion Done(const Job& job, int64_t number, const std::string& action_key) {
+  Completion completion{
+      .job = job, .task = SomeTask(number), .ingested = {}, .action_key = action_key};
+  completion.task.result = SomeResult();
+  completion.task.result->output = Sha256::Of(std::to_string(number));
+  return completion;
+}
+
+TEST_F(CatalogActionsTest, SavesCompletionsOfSeveralJobsAtOnce) {
+  Job first = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a")}, "", 1).value();
+  Job second = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a")}, "", 1).value();
+  std::vector<Completion> completions;
+  for (int64_t number = 1; number <= 3; ++number) {
+    ++first.version;
+    completions.push_back(Done(first, number, "first " + std::to_string(number)));
+    ++second.version;
+    completions.push_back(Done(second, number, ""));
+  }
+
+  ASSERT_THAT(catalog_->SaveCompletions(completions, 7), IsOk());
+  Reopen();
+
+  EXPECT_EQ(catalog_->GetJob(first.id)->version, 3);
+  EXPECT_EQ(catalog_->GetJob(second.id)->version, 3);
+  const std::vector<TaskRecord> tasks = catalog_->LoadTasks(second.id).value();
+  ASSERT_EQ(tasks.size(), 3u);
+  EXPECT_EQ(tasks[2].result->output, Sha256::Of("3"));
+  EXPECT_EQ(catalog_->LoadTasks(first.id)->size(), 3u);
+  const auto known = catalog_->FindActions({"first 1", "first 2", "first 3", ""}).value();
+  EXPECT_EQ(known.size(), 3u);
+}
+
+TEST_F(CatalogActionsTest, SavesNoneWhenOneIsOfAMissingJob) {
+  const Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
+  Job missing = job;
+  missing.id.value = "j-000077";
+
+  EXPECT_THAT(catalog_->SaveCompletions({{Done(job, 1, "k"), Done(missing, 1, "l")}}, 1),
+              StatusIs(absl::StatusCode::kNotFound, "j-000077"));
+
+  EXPECT_TRUE(catalog_->LoadTasks(job.id)->empty());
+  EXPECT_TRUE(catalog_->FindActions({"k", "l"})->empty());
+}
+
+TEST_F(CatalogActionsTest, SavesNothingOfNothing) {
+  EXPECT_THAT(catalog_->SaveCompletions({}, 1), IsOk());
+}
+
+TEST_F(CatalogActionsTest, FindsWhatIsKnownOfManyKeysAndNothingElse) {
+  const Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
+  std::vector<Completion> completions;
+  std::vector<std::string> keys;
+  for (int64_t number = 0; number < 1'700; ++number) {
+    keys.push_back(Sha256::Of("key " + std::to_string(number)).Hex());
+    if (number % 2 == 0) {
+      completions.push_back(Done(job, number, keys.back()));
+    }
+  }
+  ASSERT_THAT(catalog_->SaveCompletions(completions, 1), IsOk());
+
+  const auto found = catalog_->FindActions(keys).value();
+
+  EXPECT_EQ(found.size(), 850u);
+  EXPECT_EQ(ToJson(found.at(keys[1'698])), ToJson(*completions.back().task.result));
+  EXPECT_EQ(found.count(keys[1'699]), 0u);
+  EXPECT_TRUE(catalog_->FindActions({})->empty());
+}
+
+TEST_F(CatalogActionsTest, RemembersTheNewestResultOfAKey) {
+  const Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
+  ASSERT_THAT(catalog_->SaveCompletions({{Done(job, 1, "k")}}, 1), IsOk());
+  ASSERT_THAT(catalog_->SaveCompletions({{Done(job, 2, "k")}}, 2), IsOk());
+
+  EXPECT_EQ(catalog_->FindActions({"k"})->at("k").output, Sha256::Of("2"));
+}
+
+TEST_F(CatalogActionsTest, ForgetsResultsOlderThanATime) {
+  const Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
+  ASSERT_THAT(catalog_->SaveCompletions({{Done(job, 1, "old"), Done(job, 2, "used")}}, 10), IsOk());
+  ASSERT_THAT(catalog_->SaveCompletions({{Done(job, 3, "new"), Done(job, 2, "used")}}, 20), IsOk());
+
+  EXPECT_EQ(catalog_->ForgetActions(20).value(), 1);
+
+  EXPECT_EQ(catalog_->FindActions({"old", "used", "new"})->size(), 2u);
+  EXPECT_EQ(catalog_->ForgetActions(20).value(), 0);
+}
+
+}  // namespace
+}  // namespace cohort
