@@ -7,17 +7,17 @@ set -euo pipefail
 
 # libgrpc++-dev alone can neither compile a .proto nor be found by CMake: the compiler, its gRPC
 # plugin and libprotobuf's headers are packages of their own. libsoci-dev brings every back end's
-# run-time library, but neither SQLite's headers nor Boost's, which its own headers include.
+# run-time library, but none of the headers (SQLite's, PostgreSQL's, Boost's) that its own include.
 build_packages=(
   g++ cmake ninja-build ccache pkg-config
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc libabsl-dev
   libeigen3-dev libnanoflann-dev libdraco-dev libzstd-dev
-  libsqlite3-dev libsoci-dev
+  libsqlite3-dev libpq-dev libsoci-dev
   libssl-dev libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libpugixml-dev
   libcairo2-dev fonts-dejavu-core
 )
 test_packages=(
-  libgtest-dev libgmock-dev
+  libgtest-dev libgmock-dev postgresql
   clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev
   python3 python3-numpy shellcheck git ca-certificates procps iproute2
 )

@@ -9,6 +9,7 @@ namespace cohort {
 
 struct ServerOptions {
   std::string data_dir = "cohort-data";  ///< Catalog and blobs.
+  std::string catalog;  ///< Location as Catalog::Open takes it; empty: catalog.db in data_dir.
   std::vector<std::string> listen = {
       "127.0.0.1:7450"};  ///< HOST:PORT (port 0: a free one), unix:PATH.
   double lease_seconds = 60;
@@ -16,6 +17,11 @@ struct ServerOptions {
   std::string log_level = "info";
   /// The server ends when this process (its parent) does; 0: it does not look.
   int exit_with_parent = 0;
+
+  /// Where the catalog is.
+  [[nodiscard]] std::string CatalogLocation() const {
+    return catalog.empty() ? data_dir + "/catalog.db" : catalog;
+  }
 
   /// @return kInvalidArgument naming the option.
   [[nodiscard]] absl::Status Validate() const;

@@ -7,8 +7,8 @@
 
 namespace cohort {
 
-absl::StatusOr<std::unique_ptr<Catalog>> Catalog::Open(const std::filesystem::path& file) {
-  COHORT_ASSIGN_OR_RETURN(std::unique_ptr<Database> database, Database::Open(file));
+absl::StatusOr<std::unique_ptr<Catalog>> Catalog::Open(const std::string& location) {
+  COHORT_ASSIGN_OR_RETURN(std::unique_ptr<Database> database, Database::Open(location));
   return std::unique_ptr<Catalog>(new Catalog(std::move(database)));
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -53,17 +52,22 @@ struct Completion {
   std::string action_key;  ///< Remembers the result under it; empty: not remembered.
 };
 
-/// All that the server must not lose, in SQL. What a call acknowledged survives a crash
-/// (SQLite: WAL, synchronous=FULL). Every error names the database file and SQLite's reason:
-/// kResourceExhausted when the disk is full, kDataLoss when the file is damaged, else kUnavailable.
+/// All that the server must not lose, in SQL: a file of SQLite or a database of PostgreSQL. What a
+/// call acknowledged survives a crash (SQLite: WAL, synchronous=FULL). Every error names the
+/// database and its reason: kResourceExhausted when the disk is full, kDataLoss when it is damaged
+/// (each page has a checksum, verified when it is read), else kUnavailable; after that the next
+/// call connects again. An error of a call that writes means that nothing was written, except that
+/// one during the commit itself may leave all of it written.
 /// Thread-safe: calls take turns.
 class Catalog {
  public:
-  /// Opens or creates `file`; takes the lock file beside it.
-  /// @return kFailedPrecondition if another server has it, or its version is newer than ours;
-  ///         kDataLoss if it is damaged or not ours.
-  [[nodiscard]] static absl::StatusOr<std::unique_ptr<Catalog>> Open(
-      const std::filesystem::path& file);
+  /// Opens or creates the catalog, brings it to our version and keeps other servers out.
+  /// @param location  a file (taken with the lock file beside it), "postgresql://USER@HOST/NAME",
+  ///                  or "postgresql:" and libpq's keywords ("postgresql:dbname=NAME host=...").
+  /// @return kFailedPrecondition if another server has it, its version is newer than ours, or
+  ///         PostgreSQL is not set up to keep it (encoding, checksums, fsync); kDataLoss if it is
+  ///         damaged or not ours; kInvalidArgument if the location cannot be understood.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<Catalog>> Open(const std::string& location);
   ~Catalog();
   Catalog(const Catalog&) = delete;
   Catalog& operator=(const Catalog&) = delete;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -11,22 +10,19 @@
 
 #include "common/base/mutex.h"
 #include "common/base/status_macros.h"
-#include "server/catalog/file_lock.h"
+#include "server/catalog/database_backend.h"
 #include "server/catalog/soci_session.h"
-
-#include <soci/sqlite3/soci-sqlite3.h>
 
 namespace cohort {
 
-/// The open database file: its lock and its one session. The only place that knows SQLite from
-/// other databases, and the only one that catches what SOCI throws. Thread-safe: bodies take turns.
+/// The open database and its one session: transactions, the schema's version, lost connections. The
+/// only place that catches what SOCI throws. Thread-safe: bodies take turns.
 class Database {
  public:
   /// @return as Catalog::Open.
-  [[nodiscard]] static absl::StatusOr<std::unique_ptr<Database>> Open(
-      const std::filesystem::path& file);
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<Database>> Open(const std::string& location);
 
-  /// Statements of one call; what they throw becomes a status that names the file.
+  /// Statements of one call; what they throw becomes a status that names the database.
   using Body = std::function<absl::Status(soci::session&)>;
   /// Runs a body that changes nothing.
   [[nodiscard]] absl::Status Read(const Body& body);
@@ -41,26 +37,27 @@ class Database {
     }));
     return *std::move(value);
   }
-  /// Runs a body in a transaction: all that it changed is durable if this is OK, else nothing is
-  /// changed.
+  /// Runs a body in a transaction: all that it changed is durable if this is OK. Else nothing is
+  /// changed; but if the connection broke or the disk failed during the commit itself, a restart
+  /// may find all of it changed.
   [[nodiscard]] absl::Status Write(const Body& body);
 
  private:
-  Database(std::string file, FileLock lock) : lock_(std::move(lock)), file_(std::move(file)) {}
+  explicit Database(std::unique_ptr<DatabaseBackend> backend) : backend_(std::move(backend)) {}
 
-  /// Opens the session and brings the schema to our version.
-  [[nodiscard]] absl::Status Connect();
-  /// Refuses, unchanged, what is damaged, not ours or too new.
-  [[nodiscard]] absl::Status CheckFile() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  [[nodiscard]] absl::Status Configure() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Opens the session if it is not, and brings the schema to our version.
+  [[nodiscard]] absl::Status Connect() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  [[nodiscard]] absl::Status OpenSession() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   [[nodiscard]] absl::Status Migrate() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   [[nodiscard]] absl::Status Transact(const Body& body) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Closes a session that is broken, so that the next call opens another.
+  void DropIfLost() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   [[nodiscard]] absl::Status Catch(const std::function<absl::Status()>& statements) const;
 
-  FileLock lock_;  ///< First: given back after the session is closed.
-  std::string file_;
+  std::unique_ptr<DatabaseBackend> backend_;  ///< First: its lock is given back after the session.
   Mutex mutex_;
   soci::session session_ ABSL_GUARDED_BY(mutex_);
+  bool is_open_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace cohort

@@ -12,8 +12,8 @@ using Migration = std::span<const std::string_view>;
 /// ever appended to: catalogs of every version are out there.
 ///
 /// Standard SQL with TEXT and BIGINT columns, JSON as TEXT, no NULLs (the empty text is "none").
-/// Names are compared bytewise: SQLite's default; a PostgreSQL database is to be created with
-/// LC_COLLATE 'C'.
+/// Texts are compared bytewise: SQLite's default; PostgreSQL is told so with each column (" TEXT "
+/// becomes " TEXT COLLATE "C" ", DatabaseBackend::Ddl).
 [[nodiscard]] std::span<const Migration> SchemaMigrations();
 
 }  // namespace cohort

@@ -14,6 +14,8 @@ namespace cohort {
 namespace {
 
 using testing::CatalogTest;
+using testing::DatabaseName;
+using testing::EachDatabase;
 using testing::IsOk;
 using testing::SomeJob;
 using testing::SomeMesh;
@@ -21,7 +23,7 @@ using testing::SomeResult;
 using testing::SomeTask;
 using testing::StatusIs;
 
-using CatalogActionsTest = CatalogTest;
+class CatalogActionsTest : public CatalogTest {};
 
 Completion Done(const Job& job, int64_t number, const std::string& action_key) {
   Completion completion{
@@ -31,7 +33,7 @@ Completion Done(const Job& job, int64_t number, const std::string& action_key) {
   return completion;
 }
 
-TEST_F(CatalogActionsTest, SavesCompletionsOfSeveralJobsAtOnce) {
+TEST_P(CatalogActionsTest, SavesCompletionsOfSeveralJobsAtOnce) {
   Job first = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a")}, "", 1).value();
   Job second = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a")}, "", 1).value();
   std::vector<Completion> completions;
@@ -55,7 +57,7 @@ TEST_F(CatalogActionsTest, SavesCompletionsOfSeveralJobsAtOnce) {
   EXPECT_EQ(known.size(), 3u);
 }
 
-TEST_F(CatalogActionsTest, SavesNoneWhenOneIsOfAMissingJob) {
+TEST_P(CatalogActionsTest, SavesNoneWhenOneIsOfAMissingJob) {
   const Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
   Job missing = job;
   missing.id.value = "j-000077";
@@ -67,11 +69,11 @@ TEST_F(CatalogActionsTest, SavesNoneWhenOneIsOfAMissingJob) {
   EXPECT_TRUE(catalog_->FindActions({"k", "l"})->empty());
 }
 
-TEST_F(CatalogActionsTest, SavesNothingOfNothing) {
+TEST_P(CatalogActionsTest, SavesNothingOfNothing) {
   EXPECT_THAT(catalog_->SaveCompletions({}, 1), IsOk());
 }
 
-TEST_F(CatalogActionsTest, FindsWhatIsKnownOfManyKeysAndNothingElse) {
+TEST_P(CatalogActionsTest, FindsWhatIsKnownOfManyKeysAndNothingElse) {
   const Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
   std::vector<Completion> completions;
   std::vector<std::string> keys;
@@ -91,7 +93,7 @@ TEST_F(CatalogActionsTest, FindsWhatIsKnownOfManyKeysAndNothingElse) {
   EXPECT_TRUE(catalog_->FindActions({})->empty());
 }
 
-TEST_F(CatalogActionsTest, RemembersTheNewestResultOfAKey) {
+TEST_P(CatalogActionsTest, RemembersTheNewestResultOfAKey) {
   const Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
   ASSERT_THAT(catalog_->SaveCompletions({{Done(job, 1, "k")}}, 1), IsOk());
   ASSERT_THAT(catalog_->SaveCompletions({{Done(job, 2, "k")}}, 2), IsOk());
@@ -99,7 +101,7 @@ TEST_F(CatalogActionsTest, RemembersTheNewestResultOfAKey) {
   EXPECT_EQ(catalog_->FindActions({"k"})->at("k").output, Sha256::Of("2"));
 }
 
-TEST_F(CatalogActionsTest, ForgetsResultsOlderThanATime) {
+TEST_P(CatalogActionsTest, ForgetsResultsOlderThanATime) {
   const Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
   ASSERT_THAT(catalog_->SaveCompletions({{Done(job, 1, "old"), Done(job, 2, "used")}}, 10), IsOk());
   ASSERT_THAT(catalog_->SaveCompletions({{Done(job, 3, "new"), Done(job, 2, "used")}}, 20), IsOk());
@@ -109,6 +111,8 @@ TEST_F(CatalogActionsTest, ForgetsResultsOlderThanATime) {
   EXPECT_EQ(catalog_->FindActions({"old", "used", "new"})->size(), 2u);
   EXPECT_EQ(catalog_->ForgetActions(20).value(), 0);
 }
+
+INSTANTIATE_TEST_SUITE_P(On, CatalogActionsTest, EachDatabase(), DatabaseName);
 
 }  // namespace
 }  // namespace cohort

@@ -15,6 +15,8 @@ namespace cohort {
 namespace {
 
 using testing::CatalogTest;
+using testing::DatabaseName;
+using testing::EachDatabase;
 using testing::IsOk;
 using testing::SomeIngested;
 using testing::SomeJob;
@@ -43,7 +45,7 @@ class CatalogDeletionTest : public CatalogTest {
   }
 };
 
-TEST_F(CatalogDeletionTest, DeletesAJobAndNeverNamesItAgain) {
+TEST_P(CatalogDeletionTest, DeletesAJobAndNeverNamesItAgain) {
   const Job kept = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a")}, "", 1).value();
   ASSERT_THAT(catalog_->SaveTasks(kept.id, {SomeTask(1)}), IsOk());
   const Job job = FinishedJob();
@@ -58,7 +60,7 @@ TEST_F(CatalogDeletionTest, DeletesAJobAndNeverNamesItAgain) {
   EXPECT_EQ(FinishedJob().id.value, "j-000003");
 }
 
-TEST_F(CatalogDeletionTest, RefusesToDeleteAJobThatIsNotFinished) {
+TEST_P(CatalogDeletionTest, RefusesToDeleteAJobThatIsNotFinished) {
   const Job job = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a")}, "", 1).value();
 
   const absl::Status status = catalog_->DeleteJob(job.id);
@@ -68,7 +70,7 @@ TEST_F(CatalogDeletionTest, RefusesToDeleteAJobThatIsNotFinished) {
   EXPECT_EQ(catalog_->GetJobMeshes(job.id)->size(), 1u);
 }
 
-TEST_F(CatalogDeletionTest, RemovesAMeshFromItsSetButNotFromJobs) {
+TEST_P(CatalogDeletionTest, RemovesAMeshFromItsSetButNotFromJobs) {
   ASSERT_THAT(catalog_->AddMesh("s", SomeMesh("a")), IsOk());
   ASSERT_THAT(catalog_->AddMesh("s", SomeMesh("b")), IsOk());
   ASSERT_THAT(catalog_->AddMesh("t", SomeMesh("a")), IsOk());
@@ -85,7 +87,7 @@ TEST_F(CatalogDeletionTest, RemovesAMeshFromItsSetButNotFromJobs) {
   EXPECT_THAT(catalog_->RemoveMesh("x", "a"), StatusIs(absl::StatusCode::kNotFound, "'x'"));
 }
 
-TEST_F(CatalogDeletionTest, DeletesASetWithItsMeshesOnly) {
+TEST_P(CatalogDeletionTest, DeletesASetWithItsMeshesOnly) {
   ASSERT_THAT(catalog_->AddMesh("s", SomeMesh("a")), IsOk());
   ASSERT_THAT(catalog_->AddMesh("s", SomeMesh("b")), IsOk());
   ASSERT_THAT(catalog_->AddMesh("t", SomeMesh("a")), IsOk());
@@ -97,7 +99,7 @@ TEST_F(CatalogDeletionTest, DeletesASetWithItsMeshesOnly) {
   EXPECT_THAT(catalog_->DeleteSet("s"), StatusIs(absl::StatusCode::kNotFound, "no set 's'"));
 }
 
-TEST_F(CatalogDeletionTest, ForgetsWhatIngestMadeOfFilesThatAreNoMore) {
+TEST_P(CatalogDeletionTest, ForgetsWhatIngestMadeOfFilesThatAreNoMore) {
   ASSERT_THAT(catalog_->AddMesh("s", SomeMesh("in a set")), IsOk());
   ASSERT_THAT(catalog_->CreateJob(SomeJob("s"), {SomeMesh("in a job")}, "", 1), IsOk());
   for (const char* name : {"in a set", "in a job", "in none"}) {
@@ -111,7 +113,7 @@ TEST_F(CatalogDeletionTest, ForgetsWhatIngestMadeOfFilesThatAreNoMore) {
   EXPECT_FALSE(catalog_->FindIngested(SomeMesh("in none").raw, 18)->has_value());
 }
 
-TEST_F(CatalogDeletionTest, TellsEveryBlobThatARowRefersTo) {
+TEST_P(CatalogDeletionTest, TellsEveryBlobThatARowRefersTo) {
   std::vector<std::string> expected;
   const auto blob = [&expected](const std::string& name) {
     expected.push_back(Sha256::Of("blob " + name).Hex());
@@ -162,7 +164,7 @@ TEST_F(CatalogDeletionTest, TellsEveryBlobThatARowRefersTo) {
   EXPECT_THAT(Blobs(), UnorderedElementsAreArray(expected));
 }
 
-TEST_F(CatalogDeletionTest, TellsTheBlobsOfManyPagesOfRows) {
+TEST_P(CatalogDeletionTest, TellsTheBlobsOfManyPagesOfRows) {
   std::vector<SetMesh> meshes(3'001, SomeMesh("a"));
   for (size_t i = 0; i < meshes.size(); ++i) {
     meshes[i].raw = Sha256::Of(std::to_string(i));
@@ -173,7 +175,7 @@ TEST_F(CatalogDeletionTest, TellsTheBlobsOfManyPagesOfRows) {
   EXPECT_EQ(Blobs().size(), 3'002u);
 }
 
-TEST_F(CatalogDeletionTest, EndsTheWalkOverBlobsWithTheVisitorsError) {
+TEST_P(CatalogDeletionTest, EndsTheWalkOverBlobsWithTheVisitorsError) {
   ASSERT_THAT(catalog_->AddMesh("s", SomeMesh("a")), IsOk());
   ASSERT_THAT(catalog_->AddMesh("s", SomeMesh("b")), IsOk());
   int visits = 0;
@@ -187,12 +189,14 @@ TEST_F(CatalogDeletionTest, EndsTheWalkOverBlobsWithTheVisitorsError) {
   EXPECT_EQ(visits, 1);
 }
 
-TEST_F(CatalogDeletionTest, LetsAVisitorUseTheCatalog) {
+TEST_P(CatalogDeletionTest, LetsAVisitorUseTheCatalog) {
   ASSERT_THAT(catalog_->AddMesh("s", SomeMesh("a")), IsOk());
 
   EXPECT_THAT(catalog_->VisitBlobs([&](const Digest&) { return catalog_->DeleteSet("s"); }),
               IsOk());
 }
+
+INSTANTIATE_TEST_SUITE_P(On, CatalogDeletionTest, EachDatabase(), DatabaseName);
 
 }  // namespace
 }  // namespace cohort

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using testing::CatalogTest;
+using testing::FileCatalogTest;
 using testing::IsOk;
 using testing::OrdinaryUser;
 using testing::ScratchFolder;
@@ -28,7 +28,7 @@ using testing::SomeJob;
 using testing::SomeMesh;
 using testing::StatusIs;
 
-using CatalogFileTest = CatalogTest;
+using CatalogFileTest = FileCatalogTest;
 
 /// Overwrites part of a file.
 void Scribble(const fs::path& file, int64_t offset, const std::string& bytes) {

@@ -11,7 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "server/catalog/catalog.h"
+#include "server/catalog/checksum_vfs.h"
 #include "tests/common/store/scratch_folder.h"
+#include "tests/testing/postgres_cluster.h"
 #include "tests/testing/status_matchers.h"
 
 namespace cohort::testing {
@@ -66,8 +68,8 @@ inline TaskResult SomeResult() {
   return result;
 }
 
-/// A catalog in a folder of its own.
-class CatalogTest : public ::testing::Test {
+/// A catalog in a file in a folder of its own.
+class FileCatalogTest : public ::testing::Test {
  protected:
   [[nodiscard]] std::filesystem::path File() const { return folder_.Path() / "catalog.db"; }
   void Reopen() {
@@ -75,9 +77,12 @@ class CatalogTest : public ::testing::Test {
     catalog_ = Catalog::Open(File()).value();
   }
   /// Runs SQL on the closed catalog behind its back.
-  void Tamper(const std::string& sql) const {
+  /// @param vfs  SQLite's default would leave the pages that it writes without checksums.
+  void Tamper(const std::string& sql, const char* vfs = kChecksumVfs) const {
     sqlite3* database = nullptr;
-    ASSERT_EQ(sqlite3_open(File().c_str(), &database), SQLITE_OK);
+    ASSERT_EQ(
+        sqlite3_open_v2(File().c_str(), &database, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, vfs),
+        SQLITE_OK);
     EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
         << sqlite3_errmsg(database);
     sqlite3_close(database);
@@ -86,5 +91,38 @@ class CatalogTest : public ::testing::Test {
   ScratchFolder folder_;
   std::unique_ptr<Catalog> catalog_ = Catalog::Open(File()).value();
 };
+
+enum class DatabaseKind { kSqlite, kPostgres };
+
+/// An empty catalog in each database that we support. Skipped where there is no PostgreSQL.
+class CatalogTest : public ::testing::TestWithParam<DatabaseKind> {
+ protected:
+  void SetUp() override {
+    if (GetParam() == DatabaseKind::kSqlite) {
+      location_ = folder_.Path() / "catalog.db";
+    } else if (PostgresCluster& cluster = PostgresCluster::Shared(); cluster.Missing().empty()) {
+      location_ = cluster.CreateDatabase();
+    } else {
+      GTEST_SKIP() << cluster.Missing();
+    }
+    catalog_ = Catalog::Open(location_).value();
+  }
+  void Reopen() {
+    catalog_.reset();
+    catalog_ = Catalog::Open(location_).value();
+  }
+
+  ScratchFolder folder_;
+  std::string location_;
+  std::unique_ptr<Catalog> catalog_;
+};
+
+/// For INSTANTIATE_TEST_SUITE_P: "On/<suite>.<test>/SQLite" and ".../PostgreSQL".
+inline auto EachDatabase() {
+  return ::testing::Values(DatabaseKind::kSqlite, DatabaseKind::kPostgres);
+}
+inline std::string DatabaseName(const ::testing::TestParamInfo<DatabaseKind>& kind) {
+  return kind.param == DatabaseKind::kSqlite ? "SQLite" : "PostgreSQL";
+}
 
 }  // namespace cohort::testing

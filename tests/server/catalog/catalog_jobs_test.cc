@@ -15,6 +15,8 @@ namespace cohort {
 namespace {
 
 using testing::CatalogTest;
+using testing::DatabaseName;
+using testing::EachDatabase;
 using testing::IsOk;
 using testing::SomeIngested;
 using testing::SomeJob;
@@ -23,7 +25,7 @@ using testing::SomeResult;
 using testing::SomeTask;
 using testing::StatusIs;
 
-using CatalogJobsTest = CatalogTest;
+class CatalogJobsTest : public CatalogTest {};
 
 void ExpectEqual(const Job& a, const Job& b) {
   EXPECT_EQ(a.id, b.id);
@@ -71,7 +73,7 @@ void Advance(Job& job) {
   job.counters.pairs = 9;
 }
 
-TEST_F(CatalogJobsTest, CreatesAJobThatSurvivesAReopening) {
+TEST_P(CatalogJobsTest, CreatesAJobThatSurvivesAReopening) {
   const std::vector<SetMesh> meshes = {SomeMesh("b"), SomeMesh("a")};
 
   const absl::StatusOr<Job> created =
@@ -88,7 +90,7 @@ TEST_F(CatalogJobsTest, CreatesAJobThatSurvivesAReopening) {
   EXPECT_EQ(found->spec.rounds, 7);
 }
 
-TEST_F(CatalogJobsTest, KeepsTheMeshesOfAJobInItsOrder) {
+TEST_P(CatalogJobsTest, KeepsTheMeshesOfAJobInItsOrder) {
   const Job job = catalog_->CreateJob(SomeJob("s"), {SomeMesh("b"), SomeMesh("a")}, "", 1).value();
 
   const absl::StatusOr<std::vector<JobMesh>> meshes = catalog_->GetJobMeshes(job.id);
@@ -104,7 +106,7 @@ TEST_F(CatalogJobsTest, KeepsTheMeshesOfAJobInItsOrder) {
   EXPECT_EQ((*meshes)[1].rejection, "");
 }
 
-TEST_F(CatalogJobsTest, TakesASnapshotOfTheMeshes) {
+TEST_P(CatalogJobsTest, TakesASnapshotOfTheMeshes) {
   SetMesh mesh = SomeMesh("a");
   ASSERT_THAT(catalog_->AddMesh("s", mesh), IsOk());
   const Job job = catalog_->CreateJob(SomeJob("s"), {mesh}, "", 1).value();
@@ -114,14 +116,14 @@ TEST_F(CatalogJobsTest, TakesASnapshotOfTheMeshes) {
   EXPECT_EQ(catalog_->GetJobMeshes(job.id).value()[0].mesh.labels, SomeMesh("a").labels);
 }
 
-TEST_F(CatalogJobsTest, NumbersJobsOnAfterAReopening) {
+TEST_P(CatalogJobsTest, NumbersJobsOnAfterAReopening) {
   ASSERT_THAT(catalog_->CreateJob(SomeJob("s"), {}, "", 1), IsOk());
   Reopen();
 
   EXPECT_EQ(catalog_->CreateJob(SomeJob("s"), {}, "", 1)->id.value, "j-000002");
 }
 
-TEST_F(CatalogJobsTest, CreatesOneJobPerRequestAndKeepsTheFirstSpec) {
+TEST_P(CatalogJobsTest, CreatesOneJobPerRequestAndKeepsTheFirstSpec) {
   const Job first = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a")}, "r-1", 10).value();
   Reopen();
   Job changed = SomeJob("another set");
@@ -137,7 +139,7 @@ TEST_F(CatalogJobsTest, CreatesOneJobPerRequestAndKeepsTheFirstSpec) {
             catalog_->CreateJob(changed, {}, "", 20)->id);
 }
 
-TEST_F(CatalogJobsTest, CreatesOneJobForARequestThatComesFromEightThreadsAtOnce) {
+TEST_P(CatalogJobsTest, CreatesOneJobForARequestThatComesFromEightThreadsAtOnce) {
   std::vector<std::string> ids(8);
   std::vector<std::thread> callers;
   callers.reserve(ids.size());
@@ -154,7 +156,7 @@ TEST_F(CatalogJobsTest, CreatesOneJobForARequestThatComesFromEightThreadsAtOnce)
   EXPECT_EQ(catalog_->ListJobs(10, "")->items.size(), 1u);
 }
 
-TEST_F(CatalogJobsTest, WritesEverythingThatCanChange) {
+TEST_P(CatalogJobsTest, WritesEverythingThatCanChange) {
   Job job = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a")}, "", 1).value();
   Advance(job);
 
@@ -164,7 +166,7 @@ TEST_F(CatalogJobsTest, WritesEverythingThatCanChange) {
   ExpectEqual(catalog_->GetJob(job.id).value(), job);
 }
 
-TEST_F(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
+TEST_P(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
   Job job = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a"), SomeMesh("b")}, "", 1).value();
   Advance(job);
   job.state = JobState::kSucceeded;
@@ -206,7 +208,7 @@ TEST_F(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
   EXPECT_FALSE(fates[0].copy.has_value());
 }
 
-TEST_F(CatalogJobsTest, ChangesNothingWhenAJobIsFinishedWithMeshesItDoesNotHave) {
+TEST_P(CatalogJobsTest, ChangesNothingWhenAJobIsFinishedWithMeshesItDoesNotHave) {
   Job job = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a")}, "", 1).value();
   const Job before = job;
   Advance(job);
@@ -217,7 +219,7 @@ TEST_F(CatalogJobsTest, ChangesNothingWhenAJobIsFinishedWithMeshesItDoesNotHave)
   ExpectEqual(catalog_->GetJob(job.id).value(), before);
 }
 
-TEST_F(CatalogJobsTest, NamesTheJobThatIsMissing) {
+TEST_P(CatalogJobsTest, NamesTheJobThatIsMissing) {
   Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
   job.id.value = "j-000002";
 
@@ -233,7 +235,7 @@ TEST_F(CatalogJobsTest, NamesTheJobThatIsMissing) {
               StatusIs(absl::StatusCode::kNotFound, "j-000002"));
 }
 
-TEST_F(CatalogJobsTest, KnowsAJobByOneNameOnly) {
+TEST_P(CatalogJobsTest, KnowsAJobByOneNameOnly) {
   ASSERT_THAT(catalog_->CreateJob(SomeJob("s"), {}, "", 1), IsOk());
 
   EXPECT_THAT(catalog_->GetJob({"j-1"}), StatusIs(absl::StatusCode::kNotFound, "j-1"));
@@ -242,7 +244,7 @@ TEST_F(CatalogJobsTest, KnowsAJobByOneNameOnly) {
   EXPECT_THAT(catalog_->GetJob({""}), StatusIs(absl::StatusCode::kNotFound, ""));
 }
 
-TEST_F(CatalogJobsTest, ListsJobsNewestFirst) {
+TEST_P(CatalogJobsTest, ListsJobsNewestFirst) {
   for (int i = 0; i < 5; ++i) {
     ASSERT_THAT(catalog_->CreateJob(SomeJob("s"), {}, "", i), IsOk());
   }
@@ -262,7 +264,7 @@ TEST_F(CatalogJobsTest, ListsJobsNewestFirst) {
               ::testing::ElementsAre("j-000005", "j-000004", "j-000003", "j-000002", "j-000001"));
 }
 
-TEST_F(CatalogJobsTest, TellsTheUnfinishedJobsOldestFirst) {
+TEST_P(CatalogJobsTest, TellsTheUnfinishedJobsOldestFirst) {
   std::vector<Job> jobs;
   for (const JobState state : {JobState::kSucceeded, JobState::kRunning, JobState::kFailed,
                                JobState::kCancelled, JobState::kQueued}) {
@@ -279,7 +281,7 @@ TEST_F(CatalogJobsTest, TellsTheUnfinishedJobsOldestFirst) {
   ExpectEqual(unfinished[1], jobs[4]);
 }
 
-TEST_F(CatalogJobsTest, KeepsTasksAndWritesThemOver) {
+TEST_P(CatalogJobsTest, KeepsTasksAndWritesThemOver) {
   const Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
   ASSERT_THAT(catalog_->SaveTasks(job.id, {SomeTask(10), SomeTask(2)}), IsOk());
   TaskRecord done = SomeTask(2);
@@ -298,7 +300,7 @@ TEST_F(CatalogJobsTest, KeepsTasksAndWritesThemOver) {
   ExpectEqual((*tasks)[1], SomeTask(10));
 }
 
-TEST_F(CatalogJobsTest, SavesACompletionAsAWhole) {
+TEST_P(CatalogJobsTest, SavesACompletionAsAWhole) {
   Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
   job.spec.position_bits = 18;
   Advance(job);
@@ -315,7 +317,7 @@ TEST_F(CatalogJobsTest, SavesACompletionAsAWhole) {
   EXPECT_TRUE(catalog_->FindIngested(Sha256::Of("raw"), 18).value().has_value());
 }
 
-TEST_F(CatalogJobsTest, SavesNothingOfACompletionThatFailsInItsLastRow) {
+TEST_P(CatalogJobsTest, SavesNothingOfACompletionThatFailsInItsLastRow) {
   Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
   const Job before = job;
   Advance(job);
@@ -340,7 +342,7 @@ TEST_F(CatalogJobsTest, SavesNothingOfACompletionThatFailsInItsLastRow) {
   EXPECT_TRUE(catalog_->FindActions({"key"}).value().empty());
 }
 
-TEST_F(CatalogJobsTest, CreatesAJobOfAHundredThousandMeshesInSeconds) {
+TEST_P(CatalogJobsTest, CreatesAJobOfAHundredThousandMeshesInSeconds) {
   std::vector<SetMesh> meshes(100'000, SomeMesh("a"));
   for (size_t i = 0; i < meshes.size(); ++i) {
     meshes[i].name = std::to_string(i);
@@ -354,6 +356,8 @@ TEST_F(CatalogJobsTest, CreatesAJobOfAHundredThousandMeshesInSeconds) {
   EXPECT_LT(seconds.count(), 10);
   EXPECT_EQ(catalog_->GetJobMeshes({"j-000001"}).value().at(99'999).mesh.name, "99999");
 }
+
+INSTANTIATE_TEST_SUITE_P(On, CatalogJobsTest, EachDatabase(), DatabaseName);
 
 }  // namespace
 }  // namespace cohort

@@ -12,13 +12,15 @@ namespace cohort {
 namespace {
 
 using testing::CatalogTest;
+using testing::DatabaseName;
+using testing::EachDatabase;
 using ::testing::ElementsAre;
 using testing::IsOk;
 using testing::SomeIngested;
 using testing::SomeMesh;
 using testing::StatusIs;
 
-using CatalogMeshesTest = CatalogTest;
+class CatalogMeshesTest : public CatalogTest {};
 
 /// Names of all pages of a set, and that each but the last is full.
 std::vector<std::string> AllNames(Catalog& catalog, const std::string& set, int page_size) {
@@ -39,7 +41,7 @@ std::vector<std::string> AllNames(Catalog& catalog, const std::string& set, int 
   return names;
 }
 
-TEST_F(CatalogMeshesTest, KeepsAMeshAcrossAReopening) {
+TEST_P(CatalogMeshesTest, KeepsAMeshAcrossAReopening) {
   const SetMesh mesh = SomeMesh("ž 'a'.ply");
   ASSERT_THAT(catalog_->AddMesh("brno 2016", mesh), IsOk());
 
@@ -55,7 +57,7 @@ TEST_F(CatalogMeshesTest, KeepsAMeshAcrossAReopening) {
   EXPECT_EQ(page->next_token, "");
 }
 
-TEST_F(CatalogMeshesTest, ChangesTheLabelsOfTheSameBytes) {
+TEST_P(CatalogMeshesTest, ChangesTheLabelsOfTheSameBytes) {
   SetMesh mesh = SomeMesh("a.ply");
   ASSERT_THAT(catalog_->AddMesh("s", mesh), IsOk());
   mesh.labels = {{"person", "2"}};
@@ -68,7 +70,7 @@ TEST_F(CatalogMeshesTest, ChangesTheLabelsOfTheSameBytes) {
   EXPECT_EQ(page->items[0].labels, mesh.labels);
 }
 
-TEST_F(CatalogMeshesTest, RefusesOtherBytesUnderAKnownName) {
+TEST_P(CatalogMeshesTest, RefusesOtherBytesUnderAKnownName) {
   SetMesh mesh = SomeMesh("a.ply");
   ASSERT_THAT(catalog_->AddMesh("s", mesh), IsOk());
   mesh.raw = Sha256::Of("other");
@@ -81,21 +83,21 @@ TEST_F(CatalogMeshesTest, RefusesOtherBytesUnderAKnownName) {
   EXPECT_THAT(catalog_->AddMesh("another set", mesh), IsOk());
 }
 
-TEST_F(CatalogMeshesTest, RefusesAMeshOrASetWithoutAName) {
+TEST_P(CatalogMeshesTest, RefusesAMeshOrASetWithoutAName) {
   EXPECT_THAT(catalog_->AddMesh("", SomeMesh("a")),
               StatusIs(absl::StatusCode::kInvalidArgument, ""));
   EXPECT_THAT(catalog_->AddMesh("s", SomeMesh("")),
               StatusIs(absl::StatusCode::kInvalidArgument, ""));
 }
 
-TEST_F(CatalogMeshesTest, RefusesALabelThatIsNotUtf8) {
+TEST_P(CatalogMeshesTest, RefusesALabelThatIsNotUtf8) {
   SetMesh mesh = SomeMesh("a.ply");
   mesh.labels["person"] = "\xff";
 
   EXPECT_THAT(catalog_->AddMesh("s", mesh), StatusIs(absl::StatusCode::kInvalidArgument, "UTF-8"));
 }
 
-TEST_F(CatalogMeshesTest, ListsMeshesBytewiseOnPagesOfAnySize) {
+TEST_P(CatalogMeshesTest, ListsMeshesBytewiseOnPagesOfAnySize) {
   // Upper case before lower, and bytes above 127 last, whatever the locale.
   for (const char* name : {"b", "ž", "B", "a", "a0", "_", "č"}) {
     ASSERT_THAT(catalog_->AddMesh("s", SomeMesh(name)), IsOk());
@@ -108,7 +110,7 @@ TEST_F(CatalogMeshesTest, ListsMeshesBytewiseOnPagesOfAnySize) {
   EXPECT_THAT(AllNames(*catalog_, "s", 1000), sorted);
 }
 
-TEST_F(CatalogMeshesTest, GoesOnAfterTheSameMeshWhenOthersAreAddedBetweenPages) {
+TEST_P(CatalogMeshesTest, GoesOnAfterTheSameMeshWhenOthersAreAddedBetweenPages) {
   for (const char* name : {"b", "d", "f"}) {
     ASSERT_THAT(catalog_->AddMesh("s", SomeMesh(name)), IsOk());
   }
@@ -124,7 +126,7 @@ TEST_F(CatalogMeshesTest, GoesOnAfterTheSameMeshWhenOthersAreAddedBetweenPages) 
   EXPECT_EQ(second.items[1].name, "f");
 }
 
-TEST_F(CatalogMeshesTest, ListsSetsWithTheirSizes) {
+TEST_P(CatalogMeshesTest, ListsSetsWithTheirSizes) {
   ASSERT_THAT(catalog_->ListSets(10, ""), IsOk());
   EXPECT_TRUE(catalog_->ListSets(10, "")->items.empty());
   ASSERT_THAT(catalog_->AddMesh("t", SomeMesh("a")), IsOk());
@@ -143,12 +145,12 @@ TEST_F(CatalogMeshesTest, ListsSetsWithTheirSizes) {
   EXPECT_EQ(second.next_token, "");
 }
 
-TEST_F(CatalogMeshesTest, NamesTheSetThatIsMissing) {
+TEST_P(CatalogMeshesTest, NamesTheSetThatIsMissing) {
   EXPECT_THAT(catalog_->ListMeshes("nobody", 10, ""),
               StatusIs(absl::StatusCode::kNotFound, "nobody"));
 }
 
-TEST_F(CatalogMeshesTest, RefusesATokenOfAnotherListingAndAPageOfNothing) {
+TEST_P(CatalogMeshesTest, RefusesATokenOfAnotherListingAndAPageOfNothing) {
   ASSERT_THAT(catalog_->AddMesh("s", SomeMesh("a")), IsOk());
   ASSERT_THAT(catalog_->AddMesh("t", SomeMesh("a")), IsOk());
   const std::string of_sets = catalog_->ListSets(1, "")->next_token;
@@ -161,7 +163,7 @@ TEST_F(CatalogMeshesTest, RefusesATokenOfAnotherListingAndAPageOfNothing) {
   EXPECT_THAT(catalog_->ListSets(0, ""), StatusIs(absl::StatusCode::kInvalidArgument, "0"));
 }
 
-TEST_F(CatalogMeshesTest, RemembersWhatIngestMadeByDigestAndQuantisation) {
+TEST_P(CatalogMeshesTest, RemembersWhatIngestMadeByDigestAndQuantisation) {
   const Digest raw = Sha256::Of("raw");
   IngestedMesh mesh = SomeIngested("a");
   mesh.index = 12;
@@ -182,6 +184,8 @@ TEST_F(CatalogMeshesTest, RemembersWhatIngestMadeByDigestAndQuantisation) {
   EXPECT_EQ(catalog_->FindIngested(raw, 20).value().has_value(), false);
   EXPECT_EQ(catalog_->FindIngested(Sha256::Of("x"), 18).value().has_value(), false);
 }
+
+INSTANTIATE_TEST_SUITE_P(On, CatalogMeshesTest, EachDatabase(), DatabaseName);
 
 }  // namespace
 }  // namespace cohort

@@ -14,13 +14,13 @@
 namespace cohort {
 namespace {
 
-using testing::CatalogTest;
+using testing::FileCatalogTest;
 using testing::IsOk;
 using testing::SomeIngested;
 using testing::SomeMesh;
 using testing::SomeTask;
 
-class CatalogMigrationTest : public CatalogTest {
+class CatalogMigrationTest : public FileCatalogTest {
  protected:
   /// Puts the first build's catalog in place of the new one, still closed.
   void StartWithTheFirstCatalog() {
@@ -30,7 +30,7 @@ class CatalogMigrationTest : public CatalogTest {
     std::ostringstream sql;
     sql << stream.rdbuf();
     ASSERT_GT(sql.str().size(), 1'000u);
-    Tamper(sql.str());
+    Tamper(sql.str(), "unix");
     ASSERT_EQ(UserVersion(), 1);
   }
 
