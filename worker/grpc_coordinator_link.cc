@@ -21,6 +21,7 @@ absl::StatusOr<WorkerOrders> OrdersFromProto(const v1::SynchronizeResponse& wire
   }
   orders.next_sync_seconds = wire.next_sync_ms() / 1000.0;
   orders.lease_seconds = wire.lease_ms() / 1000.0;
+  orders.is_wedged = wire.is_wedged();
   return orders;
 }
 
@@ -34,8 +35,10 @@ absl::StatusOr<WorkerOrders> GrpcCoordinatorLink::Synchronize(const WorkerReport
   v1::SynchronizeRequest request;
   request.set_worker(report.worker.value);
   request.set_build(report.build);
-  for (const Lease& lease : report.held) {
-    *request.add_held() = ToProto(lease);
+  for (const HeldTask& task : report.held) {
+    v1::HeldTask* held = request.add_held();
+    *held->mutable_lease() = ToProto(task.lease);
+    held->set_ticks(task.ticks);
   }
   request.set_free_slots(report.free_slots);
   request.set_spare_slots(report.spare_slots);

@@ -15,6 +15,8 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr double kIdleWaitSeconds = 10;
+constexpr double kBusyWaitSeconds = 1;  ///< Leases under way must be renewed in time.
+constexpr double kShortestPauseSeconds = 0.01;
 constexpr double kFirstRetrySeconds = 0.2;
 constexpr double kLastRetrySeconds = 10;
 
@@ -52,7 +54,8 @@ absl::Status WorkerLoop::Run(const std::stop_token& stop) {
     }
     if (status.ok()) {
       retry_seconds = kFirstRetrySeconds;
-    } else if (status.code() == absl::StatusCode::kFailedPrecondition) {
+    } else if (status.code() == absl::StatusCode::kFailedPrecondition ||
+               status.code() == absl::StatusCode::kAborted) {
       return status;
     } else {
       spdlog::warn("event=sync_failed worker={} retry_seconds={} error=\"{}\"",
@@ -63,12 +66,9 @@ absl::Status WorkerLoop::Run(const std::stop_token& stop) {
     MutexLock lock(mutex_);
     Reap();
     const auto deadline = In(pause_seconds);
-    // With a free slot the server does the waiting, unless it cannot be reached. What it has not
-    // given for a spare slot it is asked for again when a task has ended.
-    const auto asks = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-      return status.ok() && (reaped_ || std::ssize(running_) < options_.slots);
-    };
-    while (!stop.stop_requested() && !asks() && slot_freed_.WaitUntil(mutex_, deadline)) {
+    // The server says when to call again; sooner when a task has ended, if it can be reached.
+    while (!stop.stop_requested() && (!status.ok() || !reaped_) &&
+           slot_freed_.WaitUntil(mutex_, deadline)) {
       Reap();
     }
   }
@@ -86,21 +86,23 @@ WorkerReport WorkerLoop::MakeReport() {
     Reap();
     reaped_ = false;
     for (const auto& [lease, running] : running_) {
-      report.held.push_back(lease);
+      report.held.push_back({.lease = lease, .ticks = *running.ticks});
     }
   }
   const int held = static_cast<int>(report.held.size());
   report.free_slots = std::max(0, options_.slots - held);
   report.spare_slots =
       std::max(0, options_.slots + options_.spare_slots - held - report.free_slots);
-  // Leases under way must be renewed in time, so the wait for more work is short then.
-  report.wait_seconds = report.held.empty() ? kIdleWaitSeconds : std::min(1.0, next_sync_seconds_);
+  report.wait_seconds = report.held.empty() ? kIdleWaitSeconds : kBusyWaitSeconds;
   return report;
 }
 
 absl::Status WorkerLoop::SynchronizeOnce(const std::stop_token& stop) {
   COHORT_ASSIGN_OR_RETURN(const WorkerOrders orders, link_.Synchronize(MakeReport()));
-  next_sync_seconds_ = std::max(0.1, orders.next_sync_seconds);
+  next_sync_seconds_ = std::max(kShortestPauseSeconds, orders.next_sync_seconds);
+  if (orders.is_wedged) {
+    return absl::AbortedError("a task goes on after the server has told it to stop");
+  }
   MutexLock lock(mutex_);
   for (const Lease& lease : orders.lost) {
     const auto found = running_.find(lease);
@@ -126,12 +128,14 @@ void WorkerLoop::Start(const GrantedTask& granted) {
   spdlog::debug("event=task_started worker={} job={} task={} stage=\"{}\" epoch={}",
                 options_.worker.value, granted.lease.task.job.value, granted.task.number,
                 granted.task.stage, granted.lease.epoch);
-  running.thread =
-      std::thread([this, granted, stop = running.stop.get_token()] { RunSlot(granted, stop); });
+  running.thread = std::thread([this, granted, stop = running.stop.get_token(),
+                                ticks = running.ticks] { RunSlot(granted, stop, *ticks); });
 }
 
-void WorkerLoop::RunSlot(const GrantedTask& granted, const std::stop_token& stop) {
-  const absl::StatusOr<TaskResult> result = runner_.Run(granted.task, stop);
+void WorkerLoop::RunSlot(const GrantedTask& granted,
+                         const std::stop_token& stop,
+                         std::atomic<int64_t>& ticks) {
+  const absl::StatusOr<TaskResult> result = runner_.Run(granted.task, stop, ticks);
   Report(granted.lease, result, stop);
   MutexLock lock(mutex_);
   running_.at(granted.lease).finished = true;
@@ -139,7 +143,7 @@ void WorkerLoop::RunSlot(const GrantedTask& granted, const std::stop_token& stop
 }
 
 void WorkerLoop::Report(const Lease& lease,
-                        const absl::StatusOr<TaskResult>& result,
+                        absl::StatusOr<TaskResult> result,
                         const std::stop_token& stop) {
   double retry_seconds = kFirstRetrySeconds;
   while (true) {
@@ -158,8 +162,15 @@ void WorkerLoop::Report(const Lease& lease,
     }
     spdlog::warn("event=report_failed worker={} job={} task={} error=\"{}\"", options_.worker.value,
                  lease.task.job.value, lease.task.number, std::string(said.message()));
-    if (!IsTransient(said) || stop.stop_requested()) {
-      return;  // The lease runs out and another worker does the task.
+    if (stop.stop_requested()) {
+      return;  // The lease is no longer ours, or runs out: another worker does the task.
+    }
+    if (!IsTransient(said)) {
+      if (!result.ok()) {
+        return;
+      }
+      result = said;  // The server does not take this result: the task has failed here.
+      continue;
     }
     MutexLock lock(mutex_);
     slot_freed_.WaitUntil(mutex_, In(retry_seconds));

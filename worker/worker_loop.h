@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <map>
+#include <memory>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -36,12 +38,16 @@ class WorkerLoop {
 
   /// Works until `stop`, then drains: no new tasks; those under way get drain_seconds, what is not
   /// done by then is given back.
-  /// @return kFailedPrecondition if the server refuses this build.
+  /// @return kFailedPrecondition if the server refuses this build; kAborted if a task goes on after
+  ///         the server has told it to stop: only the end of the process helps, without waiting for
+  ///         this object's.
   [[nodiscard]] absl::Status Run(const std::stop_token& stop);
 
  private:
   struct Running {
     std::stop_source stop;
+    std::shared_ptr<std::atomic<int64_t>> ticks =
+        std::make_shared<std::atomic<int64_t>>(HeldTask::kNotBegun);
     std::thread thread;
     bool finished = false;
   };
@@ -50,10 +56,10 @@ class WorkerLoop {
   [[nodiscard]] WorkerReport MakeReport();
   absl::Status SynchronizeOnce(const std::stop_token& stop);
   void Start(const GrantedTask& granted) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void RunSlot(const GrantedTask& granted, const std::stop_token& stop);
-  void Report(const Lease& lease,
-              const absl::StatusOr<TaskResult>& result,
-              const std::stop_token& stop);
+  void RunSlot(const GrantedTask& granted,
+               const std::stop_token& stop,
+               std::atomic<int64_t>& ticks);
+  void Report(const Lease& lease, absl::StatusOr<TaskResult> result, const std::stop_token& stop);
   /// Joins threads whose task is over.
   void Reap() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Drain();

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <memory>
@@ -26,6 +27,8 @@
 
 namespace cohort {
 namespace {
+
+constexpr int kWedgedExitCode = 75;  // EX_TEMPFAIL: to be started again.
 
 /// Unique in practice: host, process, and a random part for reused process numbers.
 std::string MakeWorkerName() {
@@ -117,6 +120,13 @@ absl::Status RunWorker(const WorkerOptions& options) {
   absl::Status status;
   std::thread working([&] {
     status = loop.Run(stop.get_token());
+    if (absl::IsAborted(status)) {
+      // A thread of ours cannot be stopped: not even destructors may wait for it.
+      spdlog::critical("event=worker_wedged worker={} error=\"{}\"", loop_options.worker.value,
+                       std::string(status.message()));
+      spdlog::shutdown();
+      std::_Exit(kWedgedExitCode);
+    }
     ended = true;
   });
   const int signal = WaitForStopSignal(&ended, options.exit_with_parent);

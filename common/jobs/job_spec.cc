@@ -148,6 +148,8 @@ nlohmann::json ToJson(const JobSpec& spec) {
             {"sign", DistanceSignName(spec.compare.sign)}}},
           {"retention_budget", spec.retention_budget},
           {"preview", spec.preview},
+          {"priority", spec.priority},
+          {"fresh", spec.fresh},
           {"metric", MetricName(spec.metric)},
           {"symmetrization", SymmetrizationName(spec.symmetrization)},
           {"neighbours", spec.neighbours},
@@ -207,6 +209,8 @@ absl::StatusOr<JobSpec> JobSpecFromJson(const nlohmann::json& json) {
   fields.ReadObject("compare", [&spec](JsonFields& item) { ReadCompare(item, spec.compare); });
   fields.Read("retention_budget", spec.retention_budget);
   fields.Read("preview", spec.preview);
+  fields.Read("priority", spec.priority);
+  fields.Read("fresh", spec.fresh);
   fields.ReadName("metric", MetricFromName, spec.metric);
   fields.ReadName("symmetrization", SymmetrizationFromName, spec.symmetrization);
   fields.Read("neighbours", spec.neighbours);

@@ -89,6 +89,10 @@ struct JobSpec {
   int64_t retention_budget = int64_t{2} << 30;  ///< Bytes for Retention::kAuto.
   /// Before the comparison, a matrix of what correspondences over the last reference tell.
   bool preview = false;
+  /// Jobs of a higher one are served first; no part of what the results are. Within +-100.
+  int priority = 0;
+  /// Computes everything, also what is known from earlier jobs.
+  bool fresh = false;
   Metric metric = Metric::kRms;
   Symmetrization symmetrization = Symmetrization::kMean;
   int neighbours = 3;  ///< Most similar faces listed per face, >= 1.

@@ -10,9 +10,9 @@
 namespace cohort {
 namespace {
 
-constexpr std::array<JobState, 5> kAllStates = {JobState::kQueued, JobState::kRunning,
+constexpr std::array<JobState, 6> kAllStates = {JobState::kQueued,    JobState::kRunning,
                                                 JobState::kSucceeded, JobState::kFailed,
-                                                JobState::kCancelled};
+                                                JobState::kCancelled, JobState::kPaused};
 
 nlohmann::json ToJson(const std::vector<Digest>& digests) {
   nlohmann::json names = nlohmann::json::array();
@@ -36,6 +36,8 @@ std::string_view JobStateName(JobState state) {
       return "failed";
     case JobState::kCancelled:
       return "cancelled";
+    case JobState::kPaused:
+      return "paused";
   }
   return "unknown";
 }

@@ -13,7 +13,14 @@
 
 namespace cohort {
 
-enum class JobState : uint8_t { kQueued, kRunning, kSucceeded, kFailed, kCancelled };
+enum class JobState : uint8_t {
+  kQueued,
+  kRunning,
+  kSucceeded,
+  kFailed,
+  kCancelled,
+  kPaused,  ///< No new tasks are handed out; those that are out may end.
+};
 [[nodiscard]] std::string_view JobStateName(JobState state);  ///< "queued", "running", ...
 [[nodiscard]] std::optional<JobState> JobStateFromName(std::string_view name);
 [[nodiscard]] inline bool IsFinal(JobState state) {
@@ -45,6 +52,8 @@ struct Progress {
   double cost_done = 0;
   double cost_total = 0;
   std::vector<StageTime> stages;  ///< Begun so far, in that order; never part of a result.
+  int64_t tasks_reused = 0;       ///< Of those done: known from an earlier job.
+  int64_t tasks_given_up = 0;     ///< Failed too often; the job cannot succeed without them.
 };
 
 /// Blobs that hold the results of a job that succeeded.

@@ -78,6 +78,15 @@ struct Task {
   std::array<double, 3> frame_center{};  ///< kCompare: subtracted before distances become float32.
 };
 
+/// What decides to whom a task goes.
+struct TaskTraits {
+  static constexpr int64_t kNothing = -1;
+  int64_t stage = 0;  ///< Tasks of one stage take about as long as each other.
+  /// Numbers for the groups of meshes that it reads (the first mesh of each): a worker that has
+  /// them is preferred.
+  std::array<int64_t, 2> reads{kNothing, kNothing};
+};
+
 /// Work done, counted as the algorithm needs it (not as caches happened to save it).
 struct WorkCounters {
   int64_t index_builds = 0;

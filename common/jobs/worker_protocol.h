@@ -12,8 +12,8 @@ namespace cohort {
 /// What a worker says when it calls.
 struct WorkerReport {
   WorkerId worker;
-  std::string build;        ///< BuildVersion(); the server refuses another than its own.
-  std::vector<Lease> held;  ///< Tasks that it runs now.
+  std::string build;  ///< BuildVersion(); the server refuses another than its own.
+  std::vector<HeldTask> held;
   int free_slots = 0;
   int spare_slots = 0;      ///< Tasks it would hold ready besides, so as never to wait for one.
   double wait_seconds = 0;  ///< How long the answer may wait for a ready task.
@@ -33,6 +33,7 @@ struct WorkerOrders {
   std::vector<Lease> lost;       ///< To be stopped: cancelled, done, or given to another.
   double next_sync_seconds = 0;  ///< Call again after at most this long.
   double lease_seconds = 0;      ///< A worker silent for this long has lost its tasks.
+  bool is_wedged = false;        ///< It went on with a task that it was told to stop: it is to end.
 };
 
 }  // namespace cohort

@@ -79,6 +79,8 @@ v1::Progress ToProto(const Progress& progress) {
   wire.set_tasks_total(progress.tasks_total);
   wire.set_cost_done(progress.cost_done);
   wire.set_cost_total(progress.cost_total);
+  wire.set_tasks_reused(progress.tasks_reused);
+  wire.set_tasks_given_up(progress.tasks_given_up);
   for (const StageTime& stage : progress.stages) {
     auto* added = wire.add_stages();
     added->set_name(stage.name);
@@ -94,7 +96,9 @@ Progress FromProto(const v1::Progress& wire) {
                        .tasks_total = wire.tasks_total(),
                        .cost_done = wire.cost_done(),
                        .cost_total = wire.cost_total(),
-                       .stages = {}};
+                       .stages = {},
+                       .tasks_reused = wire.tasks_reused(),
+                       .tasks_given_up = wire.tasks_given_up()};
   for (const v1::StageTime& stage : wire.stages()) {
     progress.stages.push_back({.name = stage.name(),
                                .started_unix_ms = stage.started_unix_ms(),

@@ -29,7 +29,7 @@ static_assert(static_cast<int>(Arithmetic::kFidentis) + 1 == v1::ARITHMETIC_FIDE
 static_assert(static_cast<int>(DistanceSign::kSigned) + 1 == v1::DISTANCE_SIGN_SIGNED);
 static_assert(static_cast<int>(Metric::kPercentile75) + 1 == v1::METRIC_PERCENTILE_75);
 static_assert(static_cast<int>(Symmetrization::kDirected) + 1 == v1::SYMMETRIZATION_DIRECTED);
-static_assert(static_cast<int>(JobState::kCancelled) + 1 == v1::JOB_STATE_CANCELLED);
+static_assert(static_cast<int>(JobState::kPaused) + 1 == v1::JOB_STATE_PAUSED);
 static_assert(static_cast<int>(TaskKind::kSymmetrize) + 1 == v1::TASK_KIND_SYMMETRIZE);
 static_assert(static_cast<int>(BaseRule::kAuto) + 1 == v1::BASE_RULE_AUTO);
 static_assert(static_cast<int>(Acceleration::kAnderson) + 1 == v1::ACCELERATION_ANDERSON);
@@ -79,7 +79,7 @@ absl::StatusOr<Symmetrization> FromProto(v1::Symmetrization wire) {
   return Unshift(wire, Symmetrization::kDirected, "symmetrization");
 }
 absl::StatusOr<JobState> FromProto(v1::JobState wire) {
-  return Unshift(wire, JobState::kCancelled, "state");
+  return Unshift(wire, JobState::kPaused, "state");
 }
 absl::StatusOr<TaskKind> FromProto(v1::TaskKind wire) {
   return Unshift(wire, TaskKind::kSymmetrize, "kind");

@@ -92,6 +92,8 @@ v1::JobSpec ToProto(const JobSpec& spec) {
   *wire.mutable_compare() = ToProto(spec.compare);
   wire.set_retention_budget(spec.retention_budget);
   wire.set_preview(spec.preview);
+  wire.set_priority(spec.priority);
+  wire.set_fresh(spec.fresh);
   wire.set_metric(ToProto(spec.metric));
   wire.set_symmetrization(ToProto(spec.symmetrization));
   wire.set_neighbours(spec.neighbours);
@@ -116,6 +118,8 @@ absl::StatusOr<JobSpec> FromProto(const v1::JobSpec& wire) {
   COHORT_ASSIGN_OR_RETURN(spec.compare, FromProto(wire.compare()));
   spec.retention_budget = wire.retention_budget();
   spec.preview = wire.preview();
+  spec.priority = wire.priority();
+  spec.fresh = wire.fresh();
   COHORT_ASSIGN_OR_RETURN(spec.metric, FromProto(wire.metric()));
   COHORT_ASSIGN_OR_RETURN(spec.symmetrization, FromProto(wire.symmetrization()));
   spec.neighbours = wire.neighbours();

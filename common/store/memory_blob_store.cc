@@ -65,4 +65,9 @@ absl::StatusOr<bool> MemoryBlobStore::Contains(const Digest& digest) {
   return blobs_.count(digest) > 0;
 }
 
+void MemoryBlobStore::Remove(const Digest& digest) {
+  const MutexLock lock(mutex_);
+  blobs_.erase(digest);
+}
+
 }  // namespace cohort

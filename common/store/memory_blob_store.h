@@ -14,6 +14,8 @@ class MemoryBlobStore final : public BlobStore {
   [[nodiscard]] absl::StatusOr<std::unique_ptr<BlobWriter>> StartPut() override;
   [[nodiscard]] absl::StatusOr<std::unique_ptr<BlobReader>> Open(const Digest& digest) override;
   [[nodiscard]] absl::StatusOr<bool> Contains(const Digest& digest) override;
+  /// As if the blob had never been written.
+  void Remove(const Digest& digest);
 
  private:
   friend class MemoryBlobWriter;

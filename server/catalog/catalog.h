@@ -42,6 +42,13 @@ struct TaskRecord {
   std::string worker;                ///< Empty: not leased.
   std::optional<TaskResult> result;  ///< Set when done.
   std::string last_error;
+  bool given_up = false;  ///< Failed too often; only a retry of its job tries it again.
+};
+
+/// A task of some job.
+struct JobTask {
+  JobId job;
+  TaskRecord task;
 };
 
 /// A task that is done and what it changes.
@@ -113,10 +120,13 @@ class Catalog {
   /// Jobs not in a final state, oldest first: what a restarted server goes on with.
   [[nodiscard]] absl::StatusOr<std::vector<Job>> UnfinishedJobs();
 
-  /// Writes leases or failures of tasks of one job, all or none.
-  [[nodiscard]] absl::Status SaveTasks(const JobId& job, const std::vector<TaskRecord>& tasks);
-  /// By number.
-  [[nodiscard]] absl::StatusOr<std::vector<TaskRecord>> LoadTasks(const JobId& job);
+  /// Writes leases or failures of tasks, and the rows of jobs that they change, all or none.
+  [[nodiscard]] absl::Status SaveTasks(std::span<const JobTask> tasks, std::span<const Job> jobs);
+  /// Hands out the tasks of a job by number, one at a time: a million of them need no memory.
+  /// @param visit  called under the catalog's lock: no calls back; its error ends the walk and is
+  ///               returned.
+  [[nodiscard]] absl::Status VisitTasks(
+      const JobId& job, const std::function<absl::Status(const TaskRecord&)>& visit);
   /// Tasks done, of any jobs: one transaction for all (group commit), so all are durable or none
   /// is. Of several completions of one job, the last tells the job's row; a result replaces what
   /// was remembered under its action key.

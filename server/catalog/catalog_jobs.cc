@@ -186,11 +186,13 @@ absl::StatusOr<Page<Job>> Catalog::ListJobs(int page_size, const std::string& to
 absl::StatusOr<std::vector<Job>> Catalog::UnfinishedJobs() {
   const std::string queued(JobStateName(JobState::kQueued));
   const std::string running(JobStateName(JobState::kRunning));
+  const std::string paused(JobStateName(JobState::kPaused));
   return database_->ReadValue<std::vector<Job>>([&](soci::session& sql) {
-    return SelectJobs(sql, "WHERE state IN (:queued, :running) ORDER BY number",
+    return SelectJobs(sql, "WHERE state IN (:queued, :running, :paused) ORDER BY number",
                       [&](soci::statement& select) {
                         select.exchange(soci::use(queued));
                         select.exchange(soci::use(running));
+                        select.exchange(soci::use(paused));
                       });
   });
 }

@@ -19,12 +19,13 @@ class TaskWriter {
  public:
   explicit TaskWriter(soci::session& sql)
       : upsert_((sql.prepare << "INSERT INTO task (job, number, epoch, failures, losses, worker, "
-                                "result, last_error) VALUES (:job, :number, :epoch, :failures, "
-                                ":losses, :worker, :result, :last_error) "
+                                "result, last_error, given_up) VALUES (:job, :number, :epoch, "
+                                ":failures, :losses, :worker, :result, :last_error, :given_up) "
                                 "ON CONFLICT (job, number) DO UPDATE SET epoch = excluded.epoch, "
                                 "failures = excluded.failures, losses = excluded.losses, "
                                 "worker = excluded.worker, result = excluded.result, "
-                                "last_error = excluded.last_error",
+                                "last_error = excluded.last_error, "
+                                "given_up = excluded.given_up",
                  soci::use(job_),
                  soci::use(task_.number),
                  soci::use(task_.epoch),
@@ -32,7 +33,8 @@ class TaskWriter {
                  soci::use(task_.losses),
                  soci::use(task_.worker),
                  soci::use(result_),
-                 soci::use(task_.last_error))) {}
+                 soci::use(task_.last_error),
+                 soci::use(given_up_))) {}
 
   void Write(int64_t job, const TaskRecord& task) {
     job_ = job;
@@ -43,6 +45,7 @@ class TaskWriter {
     task_.worker = task.worker;
     result_ = task.result.has_value() ? ResultToText(*task.result) : std::string();
     task_.last_error = task.last_error;
+    given_up_ = task.given_up ? 1 : 0;
     upsert_.execute(true);
   }
 
@@ -50,6 +53,7 @@ class TaskWriter {
   int64_t job_ = 0;
   TaskRecord task_;  ///< Without its result.
   std::string result_;
+  int64_t given_up_ = 0;
   soci::statement upsert_;
 };
 
@@ -78,25 +82,28 @@ class ActionWriter {
   soci::statement upsert_;
 };
 
-absl::StatusOr<std::vector<TaskRecord>> SelectTasks(soci::session& sql, int64_t job) {
+absl::Status SelectTasks(soci::session& sql,
+                         int64_t job,
+                         const std::function<absl::Status(const TaskRecord&)>& visit) {
   TaskRecord task;
   std::string result;
+  int64_t given_up = 0;
   soci::statement select =
-      (sql.prepare << "SELECT number, epoch, failures, losses, worker, result, last_error "
-                      "FROM task WHERE job = :job ORDER BY number",
+      (sql.prepare << "SELECT number, epoch, failures, losses, worker, result, last_error, "
+                      "given_up FROM task WHERE job = :job ORDER BY number",
        soci::use(job), soci::into(task.number), soci::into(task.epoch), soci::into(task.failures),
        soci::into(task.losses), soci::into(task.worker), soci::into(result),
-       soci::into(task.last_error));
+       soci::into(task.last_error), soci::into(given_up));
   select.execute();
-  std::vector<TaskRecord> tasks;
   while (select.fetch()) {
     task.result.reset();
     if (!result.empty()) {
       COHORT_ASSIGN_OR_RETURN(task.result, ResultFromText(result));
     }
-    tasks.push_back(task);
+    task.given_up = given_up != 0;
+    COHORT_RETURN_IF_ERROR(visit(task));
   }
-  return tasks;
+  return absl::OkStatus();
 }
 
 absl::Status SelectActions(soci::session& sql,
@@ -152,23 +159,30 @@ absl::Status InsertCompletions(soci::session& sql,
 
 }  // namespace
 
-absl::Status Catalog::SaveTasks(const JobId& job, const std::vector<TaskRecord>& tasks) {
+absl::Status Catalog::SaveTasks(std::span<const JobTask> tasks, std::span<const Job> jobs) {
   return database_->Write([&](soci::session& sql) -> absl::Status {
-    COHORT_ASSIGN_OR_RETURN(const int64_t number, RequireJob(sql, job));
+    for (const Job& job : jobs) {
+      COHORT_RETURN_IF_ERROR(UpdateJobRow(sql, job));
+    }
     TaskWriter writer(sql);
-    for (const TaskRecord& task : tasks) {
-      writer.Write(number, task);
+    std::map<std::string, int64_t> numbers;  // Of the jobs that are there.
+    for (const JobTask& task : tasks) {
+      const auto [number, is_new] = numbers.try_emplace(task.job.value);
+      if (is_new) {
+        COHORT_ASSIGN_OR_RETURN(number->second, RequireJob(sql, task.job));
+      }
+      writer.Write(number->second, task.task);
     }
     return absl::OkStatus();
   });
 }
 
-absl::StatusOr<std::vector<TaskRecord>> Catalog::LoadTasks(const JobId& job) {
-  return database_->ReadValue<std::vector<TaskRecord>>(
-      [&](soci::session& sql) -> absl::StatusOr<std::vector<TaskRecord>> {
-        COHORT_ASSIGN_OR_RETURN(const int64_t number, RequireJob(sql, job));
-        return SelectTasks(sql, number);
-      });
+absl::Status Catalog::VisitTasks(const JobId& job,
+                                 const std::function<absl::Status(const TaskRecord&)>& visit) {
+  return database_->Read([&](soci::session& sql) -> absl::Status {
+    COHORT_ASSIGN_OR_RETURN(const int64_t number, RequireJob(sql, job));
+    return SelectTasks(sql, number, visit);
+  });
 }
 
 absl::Status Catalog::SaveCompletions(std::span<const Completion> completions,

@@ -68,9 +68,10 @@ std::string ProgressToText(const Progress& progress) {
                       {"started_unix_ms", stage.started_unix_ms},
                       {"finished_unix_ms", stage.finished_unix_ms}});
   }
-  return json{{"stages", std::move(stages)},       {"stage", progress.stage},
-              {"tasks_done", progress.tasks_done}, {"tasks_total", progress.tasks_total},
-              {"cost_done", progress.cost_done},   {"cost_total", progress.cost_total}}
+  return json{{"stages", std::move(stages)},           {"stage", progress.stage},
+              {"tasks_done", progress.tasks_done},     {"tasks_total", progress.tasks_total},
+              {"cost_done", progress.cost_done},       {"cost_total", progress.cost_total},
+              {"tasks_reused", progress.tasks_reused}, {"tasks_given_up", progress.tasks_given_up}}
       .dump();
 }
 
@@ -83,6 +84,8 @@ absl::StatusOr<Progress> ProgressFromText(const std::string& text) {
   fields.Read("tasks_total", progress.tasks_total);
   fields.Read("cost_done", progress.cost_done);
   fields.Read("cost_total", progress.cost_total);
+  fields.Read("tasks_reused", progress.tasks_reused);
+  fields.Read("tasks_given_up", progress.tasks_given_up);
   fields.ReadObjects("stages", [&progress](JsonFields& item) {
     StageTime& stage = progress.stages.emplace_back();
     item.Read("name", stage.name);

@@ -72,7 +72,12 @@ constexpr std::array<std::string_view, 2> kVersion2 = {
     "CREATE INDEX action_by_time ON action (created_unix_ms)",
 };
 
-constexpr std::array<Migration, 2> kMigrations = {Migration(kVersion1), Migration(kVersion2)};
+constexpr std::array<std::string_view, 1> kVersion3 = {
+    "ALTER TABLE task ADD COLUMN given_up BIGINT NOT NULL DEFAULT 0",
+};
+
+constexpr std::array<Migration, 3> kMigrations = {Migration(kVersion1), Migration(kVersion2),
+                                                  Migration(kVersion3)};
 
 }  // namespace
 

@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <set>
+#include <string>
 
 #include "common/jobs/job_state.h"
-#include "common/jobs/task.h"
 #include "server/planning/job_plan.h"
+#include "server/scheduling/number_set.h"
 
 namespace cohort {
 
@@ -15,8 +15,9 @@ namespace cohort {
 struct ActiveJob {
   Job job;
   std::unique_ptr<JobPlan> plan;
-  std::map<int64_t, Task> open_tasks;  ///< Ready or leased, by number.
-  std::set<int64_t> done_tasks;
+  NumberSet unlooked;                       ///< Ready tasks; not looked up among known results.
+  std::map<int64_t, std::string> given_up;  ///< Tasks that failed too often, and why.
+  int64_t reused = 0;                       ///< Tasks whose result was known.
 };
 
 }  // namespace cohort

@@ -97,6 +97,14 @@ absl::StatusOr<Page<MeshSet>> Coordinator::ListSets(int page_size, const std::st
   return catalog_.ListSets(size, token);
 }
 
+absl::Status Coordinator::RemoveMesh(const std::string& set, const std::string& name) {
+  return catalog_.RemoveMesh(set, name);
+}
+
+absl::Status Coordinator::DeleteSet(const std::string& set) {
+  return catalog_.DeleteSet(set);
+}
+
 absl::Status Coordinator::CheckLandmarks(const JobSpec& spec) {
   if (spec.landmarks.empty()) {
     return absl::OkStatus();
@@ -132,7 +140,7 @@ absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
   Job created;
   std::vector<Job> changes;
   {
-    MutexLock lock(mutex_);
+    const MutexLock lock(mutex_);
     COHORT_ASSIGN_OR_RETURN(created, catalog_.CreateJob(wanted, meshes, request_id, WallMs()));
     const auto running = active_.find(created.id);
     if (running != active_.end()) {
@@ -144,6 +152,7 @@ absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
     ActiveJob& active = active_[created.id];
     active.job = created;
     active.plan = std::move(plan);
+    ServeJob(active);
     COHORT_RETURN_IF_ERROR(Advance(active));
     created = active.job;
     changes = TakeChanges();
@@ -175,21 +184,6 @@ absl::StatusOr<Page<Job>> Coordinator::ListJobs(int page_size, const std::string
     }
   }
   return page;
-}
-
-absl::StatusOr<Job> Coordinator::CancelJob(const JobId& id) {
-  std::vector<Job> changes;
-  {
-    MutexLock lock(mutex_);
-    const auto running = active_.find(id);
-    if (running != active_.end()) {
-      COHORT_RETURN_IF_ERROR(EndJob(running->second, JobState::kCancelled, ""));
-      changes = TakeChanges();
-    }
-  }
-  work_.NotifyAll();
-  Notify(changes);
-  return catalog_.GetJob(id);
 }
 
 absl::StatusOr<std::vector<JobMesh>> Coordinator::GetJobMeshes(const JobId& id) {
@@ -249,52 +243,6 @@ absl::StatusOr<JobOutputs> Coordinator::OutputsSoFar(const JobId& id) {
     }
   }
   return catalog_.GetOutputs(id);
-}
-
-void Coordinator::SetProgress(Progress progress, Job& job) {
-  progress.stages = std::move(job.progress.stages);
-  job.progress = std::move(progress);
-}
-
-void Coordinator::NoteStage(const std::string& stage, Job& job) const {
-  std::vector<StageTime>& stages = job.progress.stages;
-  auto time = std::find_if(stages.begin(), stages.end(),
-                           [&](const StageTime& known) { return known.name == stage; });
-  if (time == stages.end()) {
-    time = stages.insert(stages.end(), {.name = stage, .started_unix_ms = WallMs()});
-  }
-  time->finished_unix_ms = WallMs();
-}
-
-absl::Status Coordinator::EndJob(ActiveJob& active, JobState state, const std::string& error) {
-  Job ended = active.job;
-  ended.state = state;
-  ended.error = error;
-  ended.finished_unix_ms = WallMs();
-  SetProgress(active.plan->CurrentProgress(), ended);
-  ended.counters = active.plan->TotalCounters();
-  ++ended.version;
-  const JobOutputs outputs = state == JobState::kSucceeded ? active.plan->Outputs() : JobOutputs{};
-  COHORT_RETURN_IF_ERROR(catalog_.FinishJob(ended, outputs, active.plan->Meshes()));
-  active.job = ended;
-  scheduler_.RemoveJob(ended.id);
-  changes_.push_back(ended);
-  return absl::OkStatus();
-}
-
-void Coordinator::Touch(ActiveJob& active) {
-  SetProgress(active.plan->CurrentProgress(), active.job);
-  active.job.counters = active.plan->TotalCounters();
-  const auto& meshes = active.plan->Meshes();
-  active.job.rejected_meshes = std::count_if(
-      meshes.begin(), meshes.end(), [](const JobMesh& mesh) { return !mesh.rejection.empty(); });
-  ++active.job.version;
-  changes_.push_back(active.job);
-}
-
-std::vector<Job> Coordinator::TakeChanges() {
-  std::erase_if(active_, [](const auto& entry) { return IsFinal(entry.second.job.state); });
-  return std::exchange(changes_, {});
 }
 
 void Coordinator::Notify(const std::vector<Job>& changes) {

@@ -4,6 +4,8 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +21,7 @@
 #include "common/store/blob_store.h"
 #include "server/catalog/catalog.h"
 #include "server/core/active_job.h"
+#include "server/core/worker_status.h"
 #include "server/results/matrix_builder.h"
 #include "server/scheduling/scheduler.h"
 
@@ -26,7 +29,8 @@ namespace cohort {
 
 struct CoordinatorOptions {
   SchedulerOptions scheduler;
-  std::string build;  ///< Workers of another build are refused.
+  std::string build;      ///< Workers of another build are refused.
+  int most_waiting = 64;  ///< Workers that may wait for a task inside a call; others call again.
 };
 
 /// Hears of every change of a job. Called without any lock held, possibly from several threads.
@@ -39,7 +43,8 @@ class JobObserver {
 /// Every use case of the server, one method each; all front ends call only this.
 ///
 /// What a method acknowledges is in the catalog before it returns. Catalog writes happen under the
-/// one lock, so that memory never runs ahead of the disk. Thread-safe.
+/// one lock, so that memory never runs ahead of the disk; calls that wait for the lock are written
+/// together by the first of them that gets it (group commit). Thread-safe.
 class Coordinator {
  public:
   /// Takes up the unfinished jobs of the catalog; their workers have one lease time to report in.
@@ -58,6 +63,10 @@ class Coordinator {
                                                          int page_size,
                                                          const std::string& token);
   [[nodiscard]] absl::StatusOr<Page<MeshSet>> ListSets(int page_size, const std::string& token);
+  /// Takes a mesh out of a set; jobs keep their snapshots. @return kNotFound.
+  [[nodiscard]] absl::Status RemoveMesh(const std::string& set, const std::string& name);
+  /// @return kNotFound.
+  [[nodiscard]] absl::Status DeleteSet(const std::string& set);
 
   // Jobs.
   /// @return also kFailedPrecondition (BLOB_MISSING) if the spec's landmarks are not in the store.
@@ -68,6 +77,17 @@ class Coordinator {
   [[nodiscard]] absl::StatusOr<Page<Job>> ListJobs(int page_size, const std::string& token);
   /// Cancels; a job that has ended stays as it is.
   [[nodiscard]] absl::StatusOr<Job> CancelJob(const JobId& id);
+  /// No new tasks from now on. @return kFailedPrecondition (JOB_FINISHED) for one that has ended.
+  [[nodiscard]] absl::StatusOr<Job> PauseJob(const JobId& id);
+  /// @return as PauseJob; a job that is not paused stays as it is.
+  [[nodiscard]] absl::StatusOr<Job> ResumeJob(const JobId& id);
+  /// Goes on with a job that failed or was cancelled: what is done stays done, tasks that were
+  /// given up are tried again.
+  /// @return kFailedPrecondition (JOB_NOT_FAILED) for any other job.
+  [[nodiscard]] absl::StatusOr<Job> RetryJob(const JobId& id);
+  /// Removes a job that has ended; its blobs go with the next garbage collection.
+  /// @return kFailedPrecondition (JOB_NOT_FINISHED).
+  [[nodiscard]] absl::Status DeleteJob(const JobId& id);
 
   // Results.
   [[nodiscard]] absl::StatusOr<std::vector<JobMesh>> GetJobMeshes(const JobId& id);
@@ -96,9 +116,18 @@ class Coordinator {
                                                   const Lease& lease,
                                                   const TaskResult& result);
   [[nodiscard]] absl::Status ReleaseTask(const WorkerId& worker, const Lease& lease);
+  /// A task that fails too often is given up; the job goes on with the others and fails once
+  /// nothing is left that could be done.
   [[nodiscard]] absl::Status FailTask(const WorkerId& worker,
                                       const Lease& lease,
                                       const absl::Status& failure);
+
+  /// Workers heard of lately, by name.
+  [[nodiscard]] std::vector<WorkerStatus> ListWorkers();
+
+  /// To be called about once a second: takes back what silent workers had, and goes on with jobs
+  /// that a missed notification would have left standing.
+  [[nodiscard]] absl::Status Tick();
 
   /// Ends all waiting Synchronize calls at once and refuses to grant from then on.
   void Stop();
@@ -106,25 +135,51 @@ class Coordinator {
   [[nodiscard]] BlobStore& Store() { return store_; }
 
  private:
+  /// A result that waits for the lock, with those of other calls.
+  struct QueuedCompletion {
+    const WorkerId& worker;
+    const Lease& lease;
+    const TaskResult& result;
+    std::optional<absl::StatusOr<bool>> outcome;
+  };
+  /// A worker's call that waits for the lock.
+  struct QueuedReport {
+    const WorkerReport& report;
+    const std::function<bool()>& is_cancelled;
+    WorkerOrders orders;
+    absl::Status status;
+    bool is_answered = false;
+  };
+  /// What granted tasks change in the catalog.
+  struct GrantWrite {
+    std::vector<JobTask> tasks;
+    std::set<JobId> jobs;
+  };
+
   Coordinator(const CoordinatorOptions& options,
               Catalog& catalog,
               BlobStore& store,
               const Clock& clock);
 
+  // Jobs.
   absl::Status Recover();
   absl::Status RecoverJob(const Job& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Schedules what the plan has made ready; ends the job if nothing is left.
   absl::Status Advance(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  /// Ingest of files that are known already needs no worker.
-  absl::StatusOr<bool> FinishFromKnown(ActiveJob& active, const Task& task)
+  /// Looks the next ready tasks up among known results, finishes those and schedules the others.
+  absl::Status LookUp(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// The result of a task as an earlier job had it, if its blobs are still there.
+  absl::StatusOr<std::map<int64_t, TaskResult>> FindKnown(const ActiveJob& active,
+                                                          const std::vector<Task>& tasks)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Ingest is known by file, so that a file in any set is read once.
+  absl::StatusOr<std::optional<TaskResult>> FindIngested(const Task& task);
+  /// The job's end if no task of it can be done any more.
+  absl::Status EndIfStuck(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status EndJob(ActiveJob& active, JobState state, const std::string& error)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  absl::Status GiveUpTasks(const std::vector<TaskId>& tasks) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  /// What the worker's free slots take; for its spare ones only while there is plenty.
-  absl::StatusOr<std::vector<GrantedTask>> GrantTasks(const WorkerReport& report)
-      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  absl::Status CheckOutputs(const TaskResult& result);
+  absl::StatusOr<Job> SetPaused(const JobId& id, JobState state);
+  void ServeJob(const ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<JobOutputs> OutputsSoFar(const JobId& id) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status CheckLandmarks(const JobSpec& spec);
   void Touch(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -133,9 +188,38 @@ class Coordinator {
   void Notify(const std::vector<Job>& changes);
   [[nodiscard]] int64_t WallMs() const;
   /// The plan's progress; the times of the stages are the job's own.
-  static void SetProgress(Progress progress, Job& job);
+  static void UpdateProgress(const ActiveJob& active, Job& job);
   /// A task of the stage was handed out or done.
   void NoteStage(const std::string& stage, Job& job) const;
+
+  // Workers.
+  /// Answers every report in the queue: renews, grants, writes all grants together.
+  void AnswerReports() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void NoteWorker(const WorkerReport& report, MonotonicTime now)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// What the worker's free slots take; for its spare ones only while there is plenty.
+  std::vector<Lease> GrantTasks(const WorkerReport& report, MonotonicTime now)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Puts a lease that was granted into the worker's orders.
+  void AddGrant(const Lease& lease, QueuedReport& queued, GrantWrite& write)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// When the worker is to call again.
+  [[nodiscard]] double NextSyncSeconds(const QueuedReport& queued) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Takes in every result in the queue, as one transaction.
+  void TakeCompletions() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// What the catalog is to write of the result of an open task.
+  /// @return kInvalidArgument if it does not fit the task.
+  absl::StatusOr<Completion> CompletionOf(const QueuedCompletion& queued)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// After it is on disk.
+  void Apply(const QueuedCompletion& queued) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Records tasks that will not be tried again.
+  absl::Status GiveUp(const std::vector<TaskId>& tasks, const std::string& why)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status CheckOutputs(const TaskResult& result);
+  /// A running job's, if the task is one of its current step and not done.
+  ActiveJob* FindOpen(const TaskId& task) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const CoordinatorOptions options_;
   Catalog& catalog_;
@@ -149,6 +233,13 @@ class Coordinator {
   std::map<JobId, ActiveJob> active_ ABSL_GUARDED_BY(mutex_);
   std::vector<Job> changes_ ABSL_GUARDED_BY(mutex_);
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  int waiting_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Calls that wait for `work_`.
+  std::map<WorkerId, WorkerStatus> workers_ ABSL_GUARDED_BY(mutex_);
+  std::map<WorkerId, MonotonicTime> last_seen_ ABSL_GUARDED_BY(mutex_);
+
+  Mutex queue_mutex_;  ///< Taken after `mutex_`, or alone.
+  std::vector<QueuedCompletion*> completions_ ABSL_GUARDED_BY(queue_mutex_);
+  std::vector<QueuedReport*> reports_ ABSL_GUARDED_BY(queue_mutex_);
 };
 
 }  // namespace cohort

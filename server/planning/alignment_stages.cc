@@ -39,6 +39,10 @@ absl::Status AbsorbAlignments(PlanState& state, std::span<const TaskResult> resu
   return absl::OkStatus();
 }
 
+std::array<int64_t, 2> ReadsOfBatch(const PlanState& state, int64_t task) {
+  return {BatchAt(state, task).meshes.front(), TaskTraits::kNothing};
+}
+
 /// One task per batch: meshes, the reference, and where they were aligned before.
 Task MakeBatchTask(TaskKind kind, const PlanState& state, int64_t task) {
   const Batch& batch = BatchAt(state, task);
@@ -61,6 +65,9 @@ class PoseStage final : public Stage {
   }
   [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
     return state.VerticesOf(BatchAt(state, task).meshes) * kPoseSecondsPerVertex;
+  }
+  [[nodiscard]] std::array<int64_t, 2> Reads(const PlanState& state, int64_t task) const override {
+    return ReadsOfBatch(state, task);
   }
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
     Task made = MakeBatchTask(TaskKind::kPose, state, task);
@@ -102,6 +109,9 @@ class AlignStage final : public Stage {
   }
   [[nodiscard]] bool IsKnown(const PlanState& state, int64_t /*task*/) const override {
     return IsSkipped(state);
+  }
+  [[nodiscard]] std::array<int64_t, 2> Reads(const PlanState& state, int64_t task) const override {
+    return ReadsOfBatch(state, task);
   }
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
     Task made = MakeBatchTask(TaskKind::kAlign, state, task);

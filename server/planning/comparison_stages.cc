@@ -24,7 +24,7 @@ double SecondsPerLookup(const PlanState& state) {
 int64_t BlockSize(const PlanState& state) {
   constexpr double kVectorBytes = 3.3;
   const double vertices =
-      std::max(1.0, state.VerticesOf(state.active) / static_cast<double>(state.ActiveCount()));
+      std::max(1.0, state.active_vertices / static_cast<double>(state.ActiveCount()));
   const double pairs_at_least = kLeastTileSeconds / (vertices * SecondsPerLookup(state));
   const double pairs_at_most = kMostTileBytes / (vertices * kVectorBytes);
   // A tile of b meshes a side holds 2 b^2 pairs.
@@ -50,7 +50,7 @@ double BytesKept(const PlanState& state, Retention retention) {
   constexpr double kCompactBytes = 1.7;
   constexpr double kSketchBytes = 700;
   const auto meshes = static_cast<double>(state.ActiveCount());
-  const double distances = state.VerticesOf(state.active) * meshes;
+  const double distances = state.active_vertices * meshes;
   switch (retention) {
     case Retention::kVectors:
       return distances * kVectorBytes;
@@ -110,6 +110,14 @@ class CompareStage final : public Stage {
     return lookups * SecondsPerLookup(state);
   }
 
+  [[nodiscard]] std::array<int64_t, 2> Reads(const PlanState& state, int64_t task) const override {
+    const auto [row, column] = BlockPairAt(BlockCount(state), task);
+    const auto first_mesh = [&](int64_t block) -> int64_t {
+      return state.active[static_cast<size_t>(block * BlockSize(state))];
+    };
+    return {first_mesh(row), first_mesh(column)};
+  }
+
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
     const auto [row, column] = BlockPairAt(BlockCount(state), task);
     const std::vector<int32_t> rows = BlockAt(state, row);
@@ -158,7 +166,7 @@ class AlignAndCompareStage final : public Stage {
 
   [[nodiscard]] double TaskCost(const PlanState& state, int64_t /*task*/) const override {
     const int iterations = std::min(state.spec.icp.max_iterations, kExpectedIterations);
-    return state.VerticesOf(state.active) * (iterations + 1) * SecondsPerLookup(state);
+    return state.active_vertices * (iterations + 1) * SecondsPerLookup(state);
   }
 
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {

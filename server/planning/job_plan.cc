@@ -76,4 +76,14 @@ absl::StatusOr<std::unique_ptr<JobPlan>> JobPlan::Create(const JobSpec& spec,
   return StagedPlan::Start(std::move(state), MakeSteps(spec));
 }
 
+std::vector<Task> JobPlan::TakeReadyTasks() {
+  std::vector<Task> tasks;
+  for (const TaskRange& range : TakeReady()) {
+    for (int64_t number = range.first; number < range.first + range.count; ++number) {
+      tasks.push_back(MakeTask(number));
+    }
+  }
+  return tasks;
+}
+
 }  // namespace cohort

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -9,6 +10,13 @@
 #include "common/jobs/task.h"
 
 namespace cohort {
+
+/// Consecutive task numbers.
+struct TaskRange {
+  int64_t first = 0;
+  int64_t count = 0;
+  friend bool operator==(const TaskRange&, const TaskRange&) = default;
+};
 
 /// What a job still needs: which tasks are ready now, and what finishing one makes ready.
 ///
@@ -32,8 +40,20 @@ class JobPlan {
       const std::vector<IngestedMesh>& known);
   virtual ~JobPlan() = default;
 
-  /// Tasks whose inputs exist and which were not returned before, in the order to start them.
-  [[nodiscard]] virtual std::vector<Task> TakeReadyTasks() = 0;
+  /// Tasks whose inputs exist and which were not returned before, ascending. They are numbers, so
+  /// that a stage of a million tasks stays small; MakeTask tells what each is.
+  [[nodiscard]] virtual std::vector<TaskRange> TakeReady() = 0;
+  /// @param number  of the current step: as returned by TakeReady, while no later ones were.
+  [[nodiscard]] virtual Task MakeTask(int64_t number) const = 0;
+  /// @param number  as above; others have no traits.
+  [[nodiscard]] virtual TaskTraits TraitsOf(int64_t number) const = 0;
+  /// TakeReady with every task made; for small jobs.
+  [[nodiscard]] std::vector<Task> TakeReadyTasks();
+
+  /// @param number  as MakeTask.
+  [[nodiscard]] virtual std::string StageOf(int64_t number) const = 0;
+  /// What TaskFinished would refuse as not fitting, without recording anything.
+  [[nodiscard]] virtual absl::Status Check(int64_t number, const TaskResult& result) const = 0;
 
   /// Records one result, also of a task that was not taken yet (restart). A second result for the
   /// same task is ignored (tasks run at least once).

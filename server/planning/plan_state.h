@@ -26,6 +26,7 @@ struct PlanState {
   JobSpec spec;
   std::vector<JobMesh> meshes;     ///< In the job's order.
   std::vector<int32_t> active;     ///< Meshes still in the job, ascending.
+  double active_vertices = 0;      ///< Of all active meshes; as it was when the step began.
   std::vector<Batch> batches;      ///< All active meshes, in order. Provisional until ingest ends.
   int32_t base = 0;                ///< The base mesh. Provisional until ingest ends.
   bool mean_has_settled = false;   ///< The last round moved the mean shape by no more than asked.

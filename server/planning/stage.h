@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -31,6 +32,11 @@ class Stage {
   }
   /// Only when all steps before are finished. Number, stage and cost are filled in by the plan.
   [[nodiscard]] virtual Task MakeTask(const PlanState& state, int64_t task) const = 0;
+  /// TaskTraits::reads.
+  [[nodiscard]] virtual std::array<int64_t, 2> Reads(const PlanState& /*state*/,
+                                                     int64_t /*task*/) const {
+    return {TaskTraits::kNothing, TaskTraits::kNothing};
+  }
   /// Takes in the results of all tasks, in order, and makes the state ready for the next step.
   /// @return kFailedPrecondition, the job's error, if the job cannot go on.
   [[nodiscard]] virtual absl::Status Absorb(PlanState& state,

@@ -22,15 +22,35 @@ absl::StatusOr<std::unique_ptr<JobPlan>> StagedPlan::Start(PlanState state,
   return plan;
 }
 
-std::vector<Task> StagedPlan::TakeReadyTasks() {
-  std::vector<Task> tasks;
-  for (size_t place = 0; place < open_.size(); ++place) {
-    if (open_[place].fate == OpenTask::Fate::kReady) {
-      open_[place].fate = OpenTask::Fate::kTaken;
-      tasks.push_back(MakeTask(place));
-    }
+std::vector<TaskRange> StagedPlan::TakeReady() {
+  std::vector<TaskRange> ranges;
+  if (all_taken_) {
+    return ranges;
   }
-  return tasks;
+  all_taken_ = true;
+  for (size_t place = 0; place < open_.size(); ++place) {
+    if (open_[place].fate != OpenTask::Fate::kReady) {
+      continue;
+    }
+    open_[place].fate = OpenTask::Fate::kTaken;
+    const int64_t number = first_number_ + static_cast<int64_t>(place);
+    if (ranges.empty() || ranges.back().first + ranges.back().count != number) {
+      ranges.push_back({.first = number, .count = 0});
+    }
+    ++ranges.back().count;
+  }
+  return ranges;
+}
+
+std::string StagedPlan::StageOf(int64_t number) const {
+  return open_.at(static_cast<size_t>(number - first_number_)).stage->Name();
+}
+
+absl::Status StagedPlan::Check(int64_t number, const TaskResult& result) const {
+  if (number < first_number_ || number >= first_number_ + std::ssize(open_)) {
+    return absl::NotFoundError(absl::StrCat("the step has no task ", number));
+  }
+  return CheckResult(state_, MakeTask(number), result);
 }
 
 absl::Status StagedPlan::TaskFinished(int64_t number, const TaskResult& result) {
@@ -45,23 +65,24 @@ absl::Status StagedPlan::TaskFinished(int64_t number, const TaskResult& result) 
   if (open.fate == OpenTask::Fate::kFinished) {
     return absl::OkStatus();
   }
-  COHORT_RETURN_IF_ERROR(CheckResult(state_, MakeTask(place), result));
+  COHORT_RETURN_IF_ERROR(CheckResult(state_, MakeTask(number), result));
   open.fate = OpenTask::Fate::kFinished;
   results_[place] = result;
   counters_ += result.counters;
   ++finished_.tasks;
   finished_.cost += open.cost;
   --unfinished_;
+  while (first_unfinished_ < open_.size() &&
+         open_[first_unfinished_].fate == OpenTask::Fate::kFinished) {
+    ++first_unfinished_;
+  }
   return Advance();
 }
 
 Progress StagedPlan::CurrentProgress() const {
   Progress progress;
-  const auto unfinished = std::find_if(open_.begin(), open_.end(), [](const OpenTask& open) {
-    return open.fate != OpenTask::Fate::kFinished;
-  });
-  if (unfinished != open_.end()) {
-    progress.stage = unfinished->stage->Name();
+  if (first_unfinished_ < open_.size()) {
+    progress.stage = open_[first_unfinished_].stage->Name();
   }
   progress.tasks_done = closed_.tasks + finished_.tasks;
   progress.tasks_total = closed_.tasks + current_.tasks + announced_.tasks;
@@ -71,13 +92,23 @@ Progress StagedPlan::CurrentProgress() const {
   return progress;
 }
 
-Task StagedPlan::MakeTask(size_t place) const {
-  const OpenTask& open = open_[place];
+Task StagedPlan::MakeTask(int64_t number) const {
+  const OpenTask& open = open_.at(static_cast<size_t>(number - first_number_));
   Task task = open.stage->MakeTask(state_, open.place);
-  task.number = first_number_ + static_cast<int64_t>(place);
+  task.number = number;
   task.stage = open.stage->Name();
   task.cost = open.cost;
   return task;
+}
+
+TaskTraits StagedPlan::TraitsOf(int64_t number) const {
+  if (number < first_number_ || number >= first_number_ + std::ssize(open_)) {
+    return {};
+  }
+  const OpenTask& open = open_[static_cast<size_t>(number - first_number_)];
+  // Numbers of a step are consecutive, so that one of them names the stage.
+  return {.stage = first_number_ + open.stage_ordinal,
+          .reads = open.stage->Reads(state_, open.place)};
 }
 
 absl::Status StagedPlan::Advance() {
@@ -97,12 +128,20 @@ void StagedPlan::OpenStep() {
   finished_ = {};
   unfinished_ = 0;
   open_.clear();
+  all_taken_ = false;
+  first_unfinished_ = 0;
+  state_.active_vertices = state_.VerticesOf(state_.active);
   announced_ = AnnouncedAfter(step_);
   if (!Done()) {
+    int32_t ordinal = -1;
     for (const std::unique_ptr<const Stage>& stage : steps_[step_]) {
-      for (int64_t place = 0; place < stage->TaskCount(state_); ++place) {
+      ++ordinal;
+      const int64_t count = stage->TaskCount(state_);
+      open_.reserve(open_.size() + static_cast<size_t>(count));
+      for (int64_t place = 0; place < count; ++place) {
         OpenTask& open = open_.emplace_back();
         open.stage = stage.get();
+        open.stage_ordinal = ordinal;
         open.place = place;
         if (stage->IsKnown(state_, place)) {
           open.fate = OpenTask::Fate::kFinished;
@@ -115,7 +154,12 @@ void StagedPlan::OpenStep() {
       }
     }
   }
-  results_.assign(open_.size(), {});
+  while (first_unfinished_ < open_.size() &&
+         open_[first_unfinished_].fate == OpenTask::Fate::kFinished) {
+    ++first_unfinished_;
+  }
+  results_.clear();
+  results_.resize(open_.size());
 }
 
 absl::Status StagedPlan::AbsorbStep() {

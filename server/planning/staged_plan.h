@@ -22,7 +22,11 @@ class StagedPlan final : public JobPlan {
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<JobPlan>> Start(PlanState state,
                                                                       std::vector<Step> steps);
 
-  [[nodiscard]] std::vector<Task> TakeReadyTasks() override;
+  [[nodiscard]] std::vector<TaskRange> TakeReady() override;
+  [[nodiscard]] Task MakeTask(int64_t number) const override;
+  [[nodiscard]] TaskTraits TraitsOf(int64_t number) const override;
+  [[nodiscard]] std::string StageOf(int64_t number) const override;
+  [[nodiscard]] absl::Status Check(int64_t number, const TaskResult& result) const override;
   [[nodiscard]] absl::Status TaskFinished(int64_t number, const TaskResult& result) override;
   [[nodiscard]] bool Done() const override { return step_ == steps_.size(); }
   [[nodiscard]] Progress CurrentProgress() const override;
@@ -36,6 +40,7 @@ class StagedPlan final : public JobPlan {
     const Stage* stage = nullptr;
     int64_t place = 0;  ///< In its stage.
     double cost = 0;
+    int32_t stage_ordinal = 0;  ///< Of its stage in the step.
     enum class Fate : uint8_t { kReady, kTaken, kFinished } fate = Fate::kReady;
   };
   /// A number of tasks and what they cost.
@@ -45,7 +50,6 @@ class StagedPlan final : public JobPlan {
   };
 
   StagedPlan(PlanState state, std::vector<Step> steps);
-  [[nodiscard]] Task MakeTask(size_t place) const;
   /// Opens the step `step_`, and those after it as long as all their tasks are finished.
   [[nodiscard]] absl::Status Advance();
   void OpenStep();
@@ -57,8 +61,10 @@ class StagedPlan final : public JobPlan {
   size_t step_ = 0;
   int64_t first_number_ = 0;  ///< Of the tasks of the current step.
   std::vector<OpenTask> open_;
+  bool all_taken_ = false;           ///< None of `open_` is Fate::kReady.
   std::vector<TaskResult> results_;  ///< Of `open_`, place by place.
   int64_t unfinished_ = 0;
+  size_t first_unfinished_ = 0;  ///< In `open_`.
   Load closed_;     ///< Of the steps before; summed in task order, so that it is always the same.
   Load current_;    ///< Of the current step.
   Load finished_;   ///< Its finished part.

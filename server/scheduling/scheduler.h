@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -15,6 +14,7 @@
 #include "common/base/clock.h"
 #include "common/jobs/ids.h"
 #include "common/jobs/lease.h"
+#include "common/jobs/task.h"
 #include "server/scheduling/duration_histogram.h"
 #include "server/scheduling/number_set.h"
 
@@ -37,14 +37,6 @@ struct TaskAttempts {
   int64_t epoch = 0;
   int failures = 0;  ///< The task itself failed.
   int losses = 0;    ///< Its worker was lost while it ran; not the task's fault.
-};
-
-/// What decides to whom a task goes.
-struct TaskTraits {
-  static constexpr int64_t kNothing = -1;
-  int64_t stage = 0;  ///< Tasks of one stage take about as long as each other.
-  /// Numbers for the groups of meshes that it reads: a worker that has them is preferred.
-  std::array<int64_t, 2> reads{kNothing, kNothing};
 };
 
 /// How a job is served.
@@ -117,6 +109,8 @@ class Scheduler {
   [[nodiscard]] TaskAttempts AttemptsOf(const TaskId& task) const;
   /// The task's newest lease, if it is out.
   [[nodiscard]] std::optional<Lease> LeaseOf(const TaskId& task) const;
+  /// True if the task is ready, waits or is out.
+  [[nodiscard]] bool IsOpen(const TaskId& task) const;
   /// True if this very lease is out.
   [[nodiscard]] bool IsCurrent(const Lease& lease) const;
   /// Tasks that wait for a worker or for the end of their back-off.

@@ -59,6 +59,16 @@ bool Scheduler::IsCurrent(const Lease& lease) const {
                      [&](const Copy& copy) { return copy.epoch == lease.epoch; });
 }
 
+bool Scheduler::IsOpen(const TaskId& task) const {
+  const auto job = jobs_.find(task.job);
+  if (job == jobs_.end()) {
+    return false;
+  }
+  const Entry* entry = Find(task);
+  return entry == nullptr ? job->second.ready.Contains(task.number)
+                          : entry->state != Entry::State::kGivenUp;
+}
+
 int64_t Scheduler::ReadyCount() const {
   return ready_count_ + static_cast<int64_t>(waiting_.size());
 }

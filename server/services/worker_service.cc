@@ -18,8 +18,8 @@ grpc::Status WorkerServiceSkin::Synchronize(grpc::ServerContext* context,
   WorkerReport report;
   report.worker = WorkerId{request->worker()};
   report.build = request->build();
-  for (const v1::Lease& lease : request->held()) {
-    report.held.push_back(FromProto(lease));
+  for (const v1::HeldTask& held : request->held()) {
+    report.held.push_back({.lease = FromProto(held.lease()), .ticks = held.ticks()});
   }
   report.free_slots = request->free_slots();
   report.spare_slots = request->spare_slots();
@@ -41,6 +41,7 @@ grpc::Status WorkerServiceSkin::Synchronize(grpc::ServerContext* context,
     *response->add_lost() = ToProto(lease);
   }
   response->set_next_sync_ms(static_cast<int>(orders->next_sync_seconds * 1000));
+  response->set_is_wedged(orders->is_wedged);
   response->set_lease_ms(static_cast<int>(orders->lease_seconds * 1000));
   return grpc::Status::OK;
 }

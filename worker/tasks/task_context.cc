@@ -8,6 +8,7 @@
 namespace cohort {
 
 absl::Status TaskContext::CheckStop() const {
+  ++ticks;
   return stop.stop_requested() ? absl::CancelledError("the worker was asked to stop")
                                : absl::OkStatus();
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <stop_token>
@@ -21,8 +23,10 @@ struct TaskContext {
   MeshCache& meshes;
   std::stop_token stop;
   ComputeSlots::Permit& permit;
+  std::atomic<int64_t>& ticks;  ///< HeldTask::ticks.
 
-  /// @return kCancelled once the worker wants the task to end; asked between meshes and pairs.
+  /// Says that the task gets on; asked between meshes and pairs.
+  /// @return kCancelled once the worker wants the task to end.
   [[nodiscard]] absl::Status CheckStop() const;
   /// What is left is to write the outputs: the next task may compute meanwhile.
   void EndComputing() const { permit.Release(); }

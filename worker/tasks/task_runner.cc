@@ -71,12 +71,18 @@ absl::StatusOr<TaskResult> Dispatch(const Task& task, const TaskContext& context
 
 }  // namespace
 
-absl::StatusOr<TaskResult> TaskRunner::Run(const Task& task, std::stop_token stop) {
+absl::StatusOr<TaskResult> TaskRunner::Run(const Task& task,
+                                           std::stop_token stop,
+                                           std::atomic<int64_t>& ticks) {
   COHORT_ASSIGN_OR_RETURN(ComputeSlots::Permit permit, slots_.Acquire(stop));
+  ticks = 0;
   const auto start = std::chrono::steady_clock::now();
   try {
-    absl::StatusOr<TaskResult> result = Dispatch(
-        task, {.store = store_, .meshes = meshes_, .stop = std::move(stop), .permit = permit});
+    absl::StatusOr<TaskResult> result = Dispatch(task, {.store = store_,
+                                                        .meshes = meshes_,
+                                                        .stop = std::move(stop),
+                                                        .permit = permit,
+                                                        .ticks = ticks});
     if (result.ok()) {
       result->seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <stop_token>
+#include <utility>
 
 #include <absl/status/statusor.h>
 
+#include "common/jobs/lease.h"
 #include "common/jobs/task.h"
 #include "common/store/blob_store.h"
 #include "worker/tasks/compute_slots.h"
@@ -24,7 +28,14 @@ class TaskRunner {
   /// Waits for a slot first.
   /// @return kCancelled after `stop`; kInvalidArgument, kDataLoss, kFailedPrecondition if the task
   ///         cannot succeed anywhere; other codes if another try may.
-  [[nodiscard]] absl::StatusOr<TaskResult> Run(const Task& task, std::stop_token stop);
+  [[nodiscard]] absl::StatusOr<TaskResult> Run(const Task& task, std::stop_token stop) {
+    std::atomic<int64_t> ticks = HeldTask::kNotBegun;
+    return Run(task, std::move(stop), ticks);
+  }
+  /// @param ticks  HeldTask::ticks, kept up to date.
+  [[nodiscard]] absl::StatusOr<TaskResult> Run(const Task& task,
+                                               std::stop_token stop,
+                                               std::atomic<int64_t>& ticks);
 
  private:
   BlobStore& store_;

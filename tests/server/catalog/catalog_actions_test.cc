@@ -49,10 +49,10 @@ TEST_P(CatalogActionsTest, SavesCompletionsOfSeveralJobsAtOnce) {
 
   EXPECT_EQ(catalog_->GetJob(first.id)->version, 3);
   EXPECT_EQ(catalog_->GetJob(second.id)->version, 3);
-  const std::vector<TaskRecord> tasks = catalog_->LoadTasks(second.id).value();
+  const std::vector<TaskRecord> tasks = testing::LoadTasks(*catalog_, second.id).value();
   ASSERT_EQ(tasks.size(), 3u);
   EXPECT_EQ(tasks[2].result->output, Sha256::Of("3"));
-  EXPECT_EQ(catalog_->LoadTasks(first.id)->size(), 3u);
+  EXPECT_EQ(testing::LoadTasks(*catalog_, first.id)->size(), 3u);
   const auto known = catalog_->FindActions({"first 1", "first 2", "first 3", ""}).value();
   EXPECT_EQ(known.size(), 3u);
 }
@@ -65,7 +65,7 @@ TEST_P(CatalogActionsTest, SavesNoneWhenOneIsOfAMissingJob) {
   EXPECT_THAT(catalog_->SaveCompletions({{Done(job, 1, "k"), Done(missing, 1, "l")}}, 1),
               StatusIs(absl::StatusCode::kNotFound, "j-000077"));
 
-  EXPECT_TRUE(catalog_->LoadTasks(job.id)->empty());
+  EXPECT_TRUE(testing::LoadTasks(*catalog_, job.id)->empty());
   EXPECT_TRUE(catalog_->FindActions({"k", "l"})->empty());
 }
 

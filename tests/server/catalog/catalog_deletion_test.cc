@@ -29,7 +29,7 @@ class CatalogDeletionTest : public CatalogTest {
  protected:
   Job FinishedJob() {
     Job job = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a")}, "request", 1).value();
-    EXPECT_THAT(catalog_->SaveTasks(job.id, {SomeTask(1), SomeTask(2)}), IsOk());
+    EXPECT_THAT(testing::SaveTasks(*catalog_, job.id, {SomeTask(1), SomeTask(2)}), IsOk());
     job.state = JobState::kSucceeded;
     EXPECT_THAT(catalog_->UpdateJob(job), IsOk());
     return job;
@@ -47,7 +47,7 @@ class CatalogDeletionTest : public CatalogTest {
 
 TEST_P(CatalogDeletionTest, DeletesAJobAndNeverNamesItAgain) {
   const Job kept = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a")}, "", 1).value();
-  ASSERT_THAT(catalog_->SaveTasks(kept.id, {SomeTask(1)}), IsOk());
+  ASSERT_THAT(testing::SaveTasks(*catalog_, kept.id, {SomeTask(1)}), IsOk());
   const Job job = FinishedJob();
 
   ASSERT_THAT(catalog_->DeleteJob(job.id), IsOk());
@@ -55,7 +55,7 @@ TEST_P(CatalogDeletionTest, DeletesAJobAndNeverNamesItAgain) {
 
   EXPECT_THAT(catalog_->GetJob(job.id), StatusIs(absl::StatusCode::kNotFound, job.id.value));
   EXPECT_THAT(catalog_->DeleteJob(job.id), StatusIs(absl::StatusCode::kNotFound, job.id.value));
-  EXPECT_EQ(catalog_->LoadTasks(kept.id)->size(), 1u);
+  EXPECT_EQ(testing::LoadTasks(*catalog_, kept.id)->size(), 1u);
   EXPECT_EQ(catalog_->GetJobMeshes(kept.id)->size(), 1u);
   EXPECT_EQ(FinishedJob().id.value, "j-000003");
 }

@@ -54,6 +54,7 @@ inline TaskRecord SomeTask(int64_t number) {
   task.losses = 2;
   task.worker = "host-12-ab";
   task.last_error = "mesh 'x': no\nfaces";
+  task.given_up = number % 2 == 1;
   return task;
 }
 
@@ -66,6 +67,28 @@ inline TaskResult SomeResult() {
   result.counters.align.lookups = 123'456'789'012;
   result.seconds = 0.1;
   return result;
+}
+
+inline absl::Status SaveTasks(Catalog& catalog,
+                              const JobId& job,
+                              const std::vector<TaskRecord>& records) {
+  std::vector<JobTask> tasks;
+  for (const TaskRecord& record : records) {
+    tasks.push_back({.job = job, .task = record});
+  }
+  return catalog.SaveTasks(tasks, {});
+}
+
+inline absl::StatusOr<std::vector<TaskRecord>> LoadTasks(Catalog& catalog, const JobId& job) {
+  std::vector<TaskRecord> records;
+  const absl::Status status = catalog.VisitTasks(job, [&](const TaskRecord& record) {
+    records.push_back(record);
+    return absl::OkStatus();
+  });
+  if (!status.ok()) {
+    return status;
+  }
+  return records;
 }
 
 /// A catalog in a file in a folder of its own.

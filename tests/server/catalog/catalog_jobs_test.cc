@@ -226,10 +226,11 @@ TEST_P(CatalogJobsTest, NamesTheJobThatIsMissing) {
   EXPECT_THAT(catalog_->GetJob(job.id), StatusIs(absl::StatusCode::kNotFound, "j-000002"));
   EXPECT_THAT(catalog_->GetOutputs(job.id), StatusIs(absl::StatusCode::kNotFound, "j-000002"));
   EXPECT_THAT(catalog_->GetJobMeshes(job.id), StatusIs(absl::StatusCode::kNotFound, "j-000002"));
-  EXPECT_THAT(catalog_->LoadTasks(job.id), StatusIs(absl::StatusCode::kNotFound, "j-000002"));
+  EXPECT_THAT(testing::LoadTasks(*catalog_, job.id),
+              StatusIs(absl::StatusCode::kNotFound, "j-000002"));
   EXPECT_THAT(catalog_->UpdateJob(job), StatusIs(absl::StatusCode::kNotFound, "j-000002"));
   EXPECT_THAT(catalog_->FinishJob(job, {}, {}), StatusIs(absl::StatusCode::kNotFound, "j-000002"));
-  EXPECT_THAT(catalog_->SaveTasks(job.id, {SomeTask(1)}),
+  EXPECT_THAT(testing::SaveTasks(*catalog_, job.id, {SomeTask(1)}),
               StatusIs(absl::StatusCode::kNotFound, "j-000002"));
   EXPECT_THAT(catalog_->SaveCompletions({{Completion{job, SomeTask(1), {}, ""}}}, 1),
               StatusIs(absl::StatusCode::kNotFound, "j-000002"));
@@ -283,16 +284,16 @@ TEST_P(CatalogJobsTest, TellsTheUnfinishedJobsOldestFirst) {
 
 TEST_P(CatalogJobsTest, KeepsTasksAndWritesThemOver) {
   const Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
-  ASSERT_THAT(catalog_->SaveTasks(job.id, {SomeTask(10), SomeTask(2)}), IsOk());
+  ASSERT_THAT(testing::SaveTasks(*catalog_, job.id, {SomeTask(10), SomeTask(2)}), IsOk());
   TaskRecord done = SomeTask(2);
   done.epoch = 4'000'000'000;
   done.worker.clear();
   done.last_error.clear();
   done.result = SomeResult();
-  ASSERT_THAT(catalog_->SaveTasks(job.id, {done}), IsOk());
+  ASSERT_THAT(testing::SaveTasks(*catalog_, job.id, {done}), IsOk());
   Reopen();
 
-  const absl::StatusOr<std::vector<TaskRecord>> tasks = catalog_->LoadTasks(job.id);
+  const absl::StatusOr<std::vector<TaskRecord>> tasks = testing::LoadTasks(*catalog_, job.id);
 
   ASSERT_THAT(tasks, IsOk());
   ASSERT_EQ(tasks->size(), 2u);
@@ -313,7 +314,7 @@ TEST_P(CatalogJobsTest, SavesACompletionAsAWhole) {
   Reopen();
 
   ExpectEqual(catalog_->GetJob(job.id).value(), job);
-  ExpectEqual(catalog_->LoadTasks(job.id).value().at(0), task);
+  ExpectEqual(testing::LoadTasks(*catalog_, job.id).value().at(0), task);
   EXPECT_TRUE(catalog_->FindIngested(Sha256::Of("raw"), 18).value().has_value());
 }
 
@@ -337,7 +338,7 @@ TEST_P(CatalogJobsTest, SavesNothingOfACompletionThatFailsInItsLastRow) {
       StatusIs(absl::StatusCode::kInvalidArgument, "UTF-8"));
 
   ExpectEqual(catalog_->GetJob(job.id).value(), before);
-  EXPECT_TRUE(catalog_->LoadTasks(job.id).value().empty());
+  EXPECT_TRUE(testing::LoadTasks(*catalog_, job.id).value().empty());
   EXPECT_FALSE(catalog_->FindIngested(Sha256::Of("raw"), 18).value().has_value());
   EXPECT_TRUE(catalog_->FindActions({"key"}).value().empty());
 }

@@ -83,7 +83,7 @@ TEST_F(CatalogMigrationTest, ReadsAJobThatRunsAndItsTasks) {
   EXPECT_EQ(job.progress.cost_total, 2);
   EXPECT_TRUE(job.progress.stages.empty());
   EXPECT_EQ(job.counters.align.lookups, 123'456'789'012);
-  const std::vector<TaskRecord> tasks = catalog_->LoadTasks(job.id).value();
+  const std::vector<TaskRecord> tasks = testing::LoadTasks(*catalog_, job.id).value();
   ASSERT_EQ(tasks.size(), 2u);
   EXPECT_EQ(tasks[0].result->output, Sha256::Of("output"));
   EXPECT_EQ(tasks[0].result->ingested.size(), 2u);

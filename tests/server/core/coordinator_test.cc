@@ -60,8 +60,9 @@ class CoordinatorTest : public ::testing::Test {
     }
   }
 
-  Job Submit(const std::string& request_id = "") {
+  Job Submit(const std::string& request_id = "", bool fresh = true) {
     JobSpec spec;
+    spec.fresh = fresh;
     spec.rounds = 1;
     spec.icp.max_iterations = 3;
     return *coordinator_->CreateJob("set", spec, request_id);
@@ -100,6 +101,127 @@ class CoordinatorTest : public ::testing::Test {
   std::unique_ptr<Coordinator> coordinator_;
 };
 
+TEST_F(CoordinatorTest, AJobSubmittedAgainEndsAtOnceWithoutAnyTask) {
+  AddScans(4, 1);
+  const Job first = Submit("", false);
+  const int tasks = Work("w");
+  EXPECT_GT(tasks, 4);
+  const Job again = Submit("", false);
+  EXPECT_EQ(again.state, JobState::kSucceeded);
+  EXPECT_EQ(again.progress.tasks_reused, tasks);
+  EXPECT_EQ(again.progress.tasks_done, again.progress.tasks_total);
+  EXPECT_EQ(again.counters, coordinator_->GetJob(first.id)->counters);
+  EXPECT_EQ(coordinator_->GetOutputs(again.id)->tiles, coordinator_->GetOutputs(first.id)->tiles);
+  EXPECT_EQ(coordinator_->GetOutputs(again.id)->mean_shape,
+            coordinator_->GetOutputs(first.id)->mean_shape);
+  // Asked to, it computes everything.
+  EXPECT_EQ(Submit("", true).state, JobState::kQueued);
+  EXPECT_EQ(Work("w"), tasks);
+}
+
+TEST_F(CoordinatorTest, WhatIsKnownButGoneFromTheStoreIsComputedAgain) {
+  AddScans(3, 1);
+  const Job first = Submit("", false);
+  const int tasks = Work("w");
+  const Digest lost = coordinator_->GetOutputs(first.id)->tiles.at(0);
+  store_.Remove(lost);
+  const Job again = Submit("", false);
+  EXPECT_FALSE(IsFinal(again.state));
+  EXPECT_EQ(Work("w"), 1);
+  EXPECT_EQ(coordinator_->GetJob(again.id)->progress.tasks_reused, tasks - 1);
+  EXPECT_EQ(coordinator_->GetOutputs(again.id)->tiles.at(0), lost);
+}
+
+TEST_F(CoordinatorTest, APausedJobHandsOutNothingAlsoAfterARestart) {
+  AddScans(3, 1);
+  const Job job = Submit();
+  const auto held = Take("w", 1);
+  ASSERT_EQ(held.size(), 1U);
+  EXPECT_EQ(coordinator_->PauseJob(job.id)->state, JobState::kPaused);
+  EXPECT_TRUE(Take("other", 9).empty());
+  EXPECT_EQ(*Do("w", held[0]), true) << "what is out may end";
+  Restart();
+  EXPECT_EQ(coordinator_->GetJob(job.id)->state, JobState::kPaused);
+  EXPECT_TRUE(Take("other", 9).empty());
+  EXPECT_EQ(coordinator_->ResumeJob(job.id)->state, JobState::kRunning);
+  Work("w");
+  EXPECT_EQ(coordinator_->GetJob(job.id)->state, JobState::kSucceeded);
+  EXPECT_EQ(ErrorReason(coordinator_->PauseJob(job.id).status()), "JOB_FINISHED");
+}
+
+TEST_F(CoordinatorTest, AFailedJobGoesOnWhenItIsTriedAgain) {
+  AddScans(3, 1);
+  const Job calm = Submit();
+  Work("w");
+  const Job job = Submit();
+  // One ingest is refused for good; the others are done all the same before the job fails.
+  const auto first = Take("w", 1);
+  ASSERT_THAT(coordinator_->FailTask({"w"}, first[0].lease, absl::DataLossError("the disk rots")),
+              IsOk());
+  EXPECT_EQ(coordinator_->GetJob(job.id)->state, JobState::kRunning);
+  EXPECT_EQ(coordinator_->GetJob(job.id)->progress.tasks_given_up, 1);
+  Restart();
+  EXPECT_EQ(Work("w"), 2);
+  const Job failed = *coordinator_->GetJob(job.id);
+  EXPECT_EQ(failed.state, JobState::kFailed);
+  EXPECT_EQ(failed.error, "task 0 (ingest): the disk rots");
+  EXPECT_EQ(ErrorReason(coordinator_->RetryJob(calm.id).status()), "JOB_NOT_FAILED");
+  EXPECT_EQ(coordinator_->RetryJob(job.id)->state, JobState::kRunning);
+  Work("w");
+  EXPECT_EQ(coordinator_->GetJob(job.id)->state, JobState::kSucceeded);
+  EXPECT_EQ(coordinator_->GetOutputs(job.id)->tiles, coordinator_->GetOutputs(calm.id)->tiles);
+}
+
+TEST_F(CoordinatorTest, ACancelledJobGoesOnWhereItWas) {
+  AddScans(3, 1);
+  const Job job = Submit();
+  ASSERT_EQ(Work("w", 4), 4);
+  EXPECT_EQ(coordinator_->CancelJob(job.id)->state, JobState::kCancelled);
+  EXPECT_TRUE(Take("w", 1).empty());
+  const Job again = *coordinator_->RetryJob(job.id);
+  EXPECT_EQ(again.progress.tasks_done, 4);
+  Work("w");
+  EXPECT_EQ(coordinator_->GetJob(job.id)->state, JobState::kSucceeded);
+}
+
+TEST_F(CoordinatorTest, AResultThatDoesNotFitItsTaskIsRefusedAndTheTaskGoesOn) {
+  AddScans(2, 1);
+  Submit();
+  const auto held = Take("w", 1);
+  TaskResult nonsense;
+  nonsense.rejections = {{77, "no such mesh"}};
+  EXPECT_THAT(coordinator_->CompleteTask({"w"}, held[0].lease, nonsense),
+              StatusIs(absl::StatusCode::kInvalidArgument, ""));
+  EXPECT_EQ(*Do("w", held[0]), true);
+}
+
+TEST_F(CoordinatorTest, ListsItsWorkersWithWhatTheyDo) {
+  AddScans(2, 1);
+  Submit();
+  const auto held = Take("anna", 1);
+  EXPECT_EQ(*Do("anna", held[0]), true);
+  clock_.Advance(5);
+  Take("bert", 1);
+  const std::vector<WorkerStatus> workers = coordinator_->ListWorkers();
+  ASSERT_EQ(workers.size(), 2U);
+  EXPECT_EQ(workers[0].worker.value, "anna");
+  EXPECT_EQ(workers[0].tasks_done, 1);
+  EXPECT_EQ(workers[0].silent_seconds, 5);
+  EXPECT_EQ(workers[1].silent_seconds, 0);
+}
+
+TEST_F(CoordinatorTest, TakesBackWhatSilentWorkersHadWithoutAnyCall) {
+  AddScans(2, 1);
+  Submit();
+  ASSERT_EQ(Take("silent", 1).size(), 1U);
+  clock_.Advance(kLeaseSeconds + 1);
+  EXPECT_THAT(coordinator_->Tick(), IsOk());
+  EXPECT_EQ(Take("w", 9).size(), 2U);
+  clock_.Advance(100 * kLeaseSeconds);
+  EXPECT_THAT(coordinator_->Tick(), IsOk());
+  EXPECT_TRUE(coordinator_->ListWorkers().empty()) << "forgotten in the end";
+}
+
 TEST_F(CoordinatorTest, FillsSpareSlotsOnlyWhileOthersHaveEnough) {
   AddScans(5, 1);
   Submit();
@@ -135,8 +257,9 @@ TEST_F(CoordinatorTest, GoesOnWithSymmetricCopiesAfterARestartAndKeepsTheOrigina
   spec.symmetric_copies = true;
   const Job calm = *coordinator_->CreateJob("set", spec, "");
   Work("w");
+  spec.fresh = true;
   const Job broken_off = *coordinator_->CreateJob("set", spec, "");
-  ASSERT_EQ(Work("w", 4), 4);  // Ingest is known; the copies are made, and one pose.
+  ASSERT_EQ(Work("w", 7), 7);  // The copies are made, and one pose.
   Restart();
   Work("w");
   EXPECT_EQ(coordinator_->GetOutputs(broken_off.id)->tiles,
@@ -222,7 +345,9 @@ TEST_F(CoordinatorTest, FilesIngestedBeforeAreNotIngestedAgain) {
   AddScans(3, 1);
   Submit();
   Work("w");
-  Submit();
+  JobSpec other;
+  other.icp.max_iterations = 4;
+  ASSERT_THAT(coordinator_->CreateJob("set", other, ""), IsOk());
   const auto tasks = Take("w", 1);
   ASSERT_EQ(tasks.size(), 1U);
   EXPECT_NE(tasks[0].task.kind, TaskKind::kIngest);
@@ -260,7 +385,7 @@ TEST_F(CoordinatorTest, ACancelledJobGrantsNothingAndTellsItsWorkers) {
   const Job job = Submit();
   const auto held = Take("w", 1);
   EXPECT_EQ(coordinator_->CancelJob(job.id)->state, JobState::kCancelled);
-  WorkerReport report{.worker = WorkerId{"w"}, .build = "1", .held = {held[0].lease}};
+  WorkerReport report{.worker = WorkerId{"w"}, .build = "1", .held = {{held[0].lease, 1}}};
   report.free_slots = 1;
   const WorkerOrders orders = *coordinator_->Synchronize(report, [] { return false; });
   EXPECT_TRUE(orders.grants.empty());
