@@ -12,9 +12,34 @@
 namespace cohort {
 namespace {
 
-constexpr std::string_view kCorrespondenceMagic = "COHCORR1";
+constexpr std::string_view kFloatCorrespondenceMagic = "COHCORR1";
+constexpr std::string_view kCorrespondenceMagic = "COHCORR2";
 constexpr std::string_view kPreviewMagic = "COHPREV1";
-constexpr uint64_t kPointBytes = 3 * sizeof(float);
+
+/// One mesh of COHCORR1.
+absl::Status GetFloatField(BlobDecoder& blob, DisplacementFields& fields) {
+  Eigen::Matrix3Xf field(3, fields.VertexCount());
+  COHORT_RETURN_IF_ERROR(
+      blob.GetArray<float>("field", {field.data(), static_cast<size_t>(field.size())}));
+  if (!field.allFinite()) {
+    return blob.Damaged("a displacement is not finite");
+  }
+  fields.Add(field);
+  return absl::OkStatus();
+}
+
+absl::Status GetField(BlobDecoder& blob, DisplacementFields& fields) {
+  int32_t step_exponent = 0;
+  std::vector<int16_t> values(static_cast<size_t>(3 * fields.VertexCount()));
+  COHORT_RETURN_IF_ERROR(blob.Get("step", step_exponent));
+  COHORT_RETURN_IF_ERROR(blob.GetArray<int16_t>("field", values));
+  if (!DisplacementFields::MayAdd(step_exponent, values)) {
+    return blob.Damaged(absl::StrCat("field ", fields.MeshCount(), " with steps of 2^",
+                                     step_exponent, " has a step or a value out of range"));
+  }
+  fields.AddSteps(step_exponent, values);
+  return absl::OkStatus();
+}
 
 }  // namespace
 
@@ -25,18 +50,20 @@ std::string EncodeCorrespondenceBlob(const CorrespondencePart& part) {
   writer.Put<uint64_t>(part.meshes.size());
   writer.PutArray<int32_t>(part.meshes);
   for (int64_t mesh = 0; mesh < part.fields.MeshCount(); ++mesh) {
-    const auto field = part.fields.Of(mesh);
-    writer.PutArray<float>({field.data(), static_cast<size_t>(field.size())});
+    writer.Put(part.fields.StepExponent(mesh));
+    writer.PutArray(part.fields.Values(mesh));
   }
   return std::move(writer).Take();
 }
 
 absl::StatusOr<CorrespondencePart> DecodeCorrespondenceBlob(std::string_view bytes) {
   BlobDecoder blob("correspondence", bytes);
-  COHORT_RETURN_IF_ERROR(blob.Start(kCorrespondenceMagic));
+  const bool is_float = bytes.starts_with(kFloatCorrespondenceMagic);
+  COHORT_RETURN_IF_ERROR(blob.Start(is_float ? kFloatCorrespondenceMagic : kCorrespondenceMagic));
+  const uint64_t point_bytes = 3 * (is_float ? sizeof(float) : sizeof(int16_t));
   uint64_t vertices = 0;
   uint64_t meshes = 0;
-  COHORT_RETURN_IF_ERROR(blob.GetCount("vertices", kPointBytes, vertices));
+  COHORT_RETURN_IF_ERROR(blob.GetCount("vertices", point_bytes, vertices));
   COHORT_RETURN_IF_ERROR(blob.Get("meshes", meshes));
   if (vertices == 0) {
     return blob.Damaged("no vertices");
@@ -44,12 +71,10 @@ absl::StatusOr<CorrespondencePart> DecodeCorrespondenceBlob(std::string_view byt
   CorrespondencePart part{.meshes = {},
                           .fields = DisplacementFields(static_cast<int64_t>(vertices))};
   COHORT_RETURN_IF_ERROR(blob.GetIndices(meshes, part.meshes));
-  COHORT_RETURN_IF_ERROR(blob.CheckRoom("fields", meshes, vertices * kPointBytes));
-  Eigen::Matrix3Xf field(3, static_cast<Eigen::Index>(vertices));
+  COHORT_RETURN_IF_ERROR(blob.CheckRoom("fields", meshes, vertices * point_bytes));
   for (uint64_t mesh = 0; mesh < meshes; ++mesh) {
-    COHORT_RETURN_IF_ERROR(
-        blob.GetArray<float>("field", {field.data(), static_cast<size_t>(field.size())}));
-    part.fields.Add(field);
+    COHORT_RETURN_IF_ERROR(is_float ? GetFloatField(blob, part.fields)
+                                    : GetField(blob, part.fields));
   }
   COHORT_RETURN_IF_ERROR(blob.Finish());
   return part;

@@ -13,12 +13,13 @@ namespace cohort {
 
 // What the preview matrix is made from and of; as the blobs in blobs.h.
 
-/// Displacements from the vertices of the last reference to some aligned meshes.
+/// Displacements from the vertices of the last reference to some aligned meshes, rounded.
 struct CorrespondencePart {
   std::vector<int32_t> meshes;  ///< Job indices.
   DisplacementFields fields;    ///< One per mesh.
 };
-/// "COHCORR1", uint64 n, uint64 meshes, int32 indices, 3 n float32 for each mesh.
+/// "COHCORR2", uint64 n, uint64 meshes, int32 indices, for each mesh: int32 step exponent, 3 n
+/// int16 in steps. Also read: "COHCORR1", with 3 n float32 for each mesh, not yet rounded to steps.
 [[nodiscard]] std::string EncodeCorrespondenceBlob(const CorrespondencePart& part);
 [[nodiscard]] absl::StatusOr<CorrespondencePart> DecodeCorrespondenceBlob(std::string_view bytes);
 

@@ -38,7 +38,8 @@ absl::Status AddField(const std::vector<CorrespondencePart>& parts,
   for (const CorrespondencePart& part : parts) {
     const auto found = std::find(part.meshes.begin(), part.meshes.end(), mesh.index);
     if (found != part.meshes.end()) {
-      fields.Add(part.fields.Of(found - part.meshes.begin()));
+      const int64_t at = found - part.meshes.begin();
+      fields.AddSteps(part.fields.StepExponent(at), part.fields.Values(at));
       return absl::OkStatus();
     }
   }

@@ -7,22 +7,16 @@
 namespace cohort {
 
 /// The inner loops of the metrics: one pass for sums and extremes, one for the histogram, one that
-/// picks the values of a bin; and that of differences between fields. Internal to this folder and
-/// its tests.
+/// picks the values of a bin. Internal to this folder and its tests.
 ///
 /// All sums run in 16 virtual lanes (lane l takes the values i with i mod 16 = l, in index order),
-/// in double, without fused multiply-add; products of fields in float, with it. Hence every
-/// instruction set computes the same bits.
+/// in double, without fused multiply-add. Hence every instruction set computes the same bits.
 /// Only plain arrays here: the files that are compiled for one instruction set must not instantiate
 /// inline functions of others.
 inline constexpr int kFieldLanes = 16;
 inline constexpr int kFieldBins = 512;
 /// Bins are counted in so many parallel tables, so that neighbours do not wait for each other.
 inline constexpr int kFieldTables = 4;
-/// Fields on each side of a tile of products.
-inline constexpr int kFieldTile = 4;
-/// Sums of a tile, kFieldLanes for each of its pairs.
-inline constexpr int64_t kFieldTileLanes = int64_t{kFieldTile} * kFieldTile * kFieldLanes;
 
 /// What the values are: squared distances (rooted on the way), distances, or signed distances.
 enum class FieldInput : uint8_t { kSquared, kAbsolute, kSigned };
@@ -59,9 +53,6 @@ struct FieldKernels {
   /// Copies those of 16 * rows distances with low <= d < high, in order, to `picked`, which has
   /// room for 16 more than there are; returns how many.
   int64_t (*pick)(const float* distances, int64_t rows, float low, float high, float* picked);
-  /// Adds a_i b_j over 16 * rows values to the lanes from 16 (kFieldTile i + j) on, for all i, j <
-  /// kFieldTile; 64 rows at a time are summed in float.
-  void (*add_products)(const float* const* a, const float* const* b, int64_t rows, double* lanes);
 };
 
 /// Plain C++, for every processor; and those for one instruction set, null where the compiler does

@@ -11,7 +11,6 @@ struct Avx2Simd {
   using Double = __m256d;
   using Bits = uint64_t __attribute__((vector_size(32)));
   static constexpr int kWidth = 8;
-  static constexpr int kTileRows = 2;
 
   static Float Load(const float* source) { return _mm256_loadu_ps(source); }
   static void Store(float* target, Float v) { _mm256_storeu_ps(target, v); }
@@ -20,7 +19,6 @@ struct Avx2Simd {
   static Float Sqrt(Float v) { return _mm256_sqrt_ps(v); }
   static Float Min(Float a, Float b) { return _mm256_min_ps(a, b); }
   static Float Max(Float a, Float b) { return _mm256_max_ps(a, b); }
-  static Float MulAdd(Float a, Float b, Float c) { return _mm256_fmadd_ps(a, b, c); }
   static Float Abs(Float v) { return _mm256_andnot_ps(Splat(-0.0F), v); }
   static Float Floor(Float v) { return _mm256_floor_ps(v); }
   static Double Low(Float v) { return _mm256_cvtps_pd(_mm256_castps256_ps128(v)); }
@@ -46,8 +44,8 @@ struct Avx2Simd {
 
 const FieldKernels* Avx2FieldKernels() {
   using Loops = FieldLoops<Avx2Simd>;
-  static constexpr FieldKernels kKernels = {"avx2", &Loops::Accumulate, &Loops::Count, &Loops::Pick,
-                                            &Loops::AddProducts};
+  static constexpr FieldKernels kKernels = {"avx2", &Loops::Accumulate, &Loops::Count,
+                                            &Loops::Pick};
   return &kKernels;
 }
 

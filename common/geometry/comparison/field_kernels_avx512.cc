@@ -17,7 +17,6 @@ struct Avx512Simd {
   using Double = __m512d;
   using Bits = uint64_t __attribute__((vector_size(64)));
   static constexpr int kWidth = 16;
-  static constexpr int kTileRows = 4;
 
   static Float Load(const float* source) { return _mm512_loadu_ps(source); }
   static void Store(float* target, Float v) { _mm512_storeu_ps(target, v); }
@@ -26,7 +25,6 @@ struct Avx512Simd {
   static Float Sqrt(Float v) { return _mm512_sqrt_ps(v); }
   static Float Min(Float a, Float b) { return _mm512_min_ps(a, b); }
   static Float Max(Float a, Float b) { return _mm512_max_ps(a, b); }
-  static Float MulAdd(Float a, Float b, Float c) { return _mm512_fmadd_ps(a, b, c); }
   static Float Abs(Float v) { return _mm512_abs_ps(v); }
   static Float Floor(Float v) { return _mm512_floor_ps(v); }
   static Double Low(Float v) { return _mm512_cvtps_pd(_mm512_castps512_ps256(v)); }
@@ -50,7 +48,7 @@ struct Avx512Simd {
 const FieldKernels* Avx512FieldKernels() {
   using Loops = FieldLoops<Avx512Simd>;
   static constexpr FieldKernels kKernels = {"avx512", &Loops::Accumulate, &Loops::Count,
-                                            &Loops::Pick, &Loops::AddProducts};
+                                            &Loops::Pick};
   return &kKernels;
 }
 

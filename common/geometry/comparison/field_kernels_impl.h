@@ -6,9 +6,7 @@
 //
 // Simd has: kWidth floats in a Float, which widen to two Double (Low, High), in lane order; Load,
 // Store, Sqrt, Floor, Abs, Min and Max (the second operand where neither is smaller or larger),
-// MulAdd (a b + c with one rounding), Splat, SplatDouble, StoreIndices (truncates to int32), Pick
-// (appends the lanes in a range); kTileRows: fields whose products with kFieldTile others have room
-// in the registers.
+// Splat, SplatDouble, StoreIndices (truncates to int32), Pick (appends the lanes in a range).
 // + - * work on Float and Double, & | >> on Bits.
 
 #include <cstdint>
@@ -21,8 +19,6 @@ namespace cohort {
 
 /// Rows that one group of lanes handles before the next group does: stays in the first cache.
 inline constexpr int64_t kBlockRows = 64;
-/// Rows of products that are summed in float.
-inline constexpr int64_t kProductRows = 64;
 /// Factors between two renormalisations: 4 floats are in 2^+-600, the product in 2^+-601.
 inline constexpr int64_t kFactors = 4;
 
@@ -211,49 +207,6 @@ struct FieldLoops {
         ++tables[kFieldBins + indices[i + 1]];
         ++tables[2 * kFieldBins + indices[i + 2]];
         ++tables[3 * kFieldBins + indices[i + 3]];
-      }
-    }
-  }
-
-  /// kTileRows fields a with kFieldTile fields b over one block, kWidth lanes from `lane` on.
-  static void AddTileBlock(
-      const float* const* a, const float* const* b, int64_t begin, int64_t end, double* lanes) {
-    constexpr int kPairs = Simd::kTileRows * kFieldTile;
-    Float sums[kPairs];
-    for (Float& sum : sums) {
-      sum = Simd::Splat(0);
-    }
-    for (int64_t i = begin; i < end; i += kFieldLanes) {
-      for (int row = 0; row < Simd::kTileRows; ++row) {
-        const Float value = Simd::Load(a[row] + i);
-        for (int column = 0; column < kFieldTile; ++column) {
-          Float& sum = sums[row * kFieldTile + column];
-          sum = Simd::MulAdd(value, Simd::Load(b[column] + i), sum);
-        }
-      }
-    }
-    for (int pair = 0; pair < kPairs; ++pair) {
-      double* const at = lanes + int64_t{pair} * kFieldLanes;
-      Double low;
-      Double high;
-      LoadState(low, at);
-      LoadState(high, at + kHalf);
-      StoreState(low + Simd::Low(sums[pair]), at);
-      StoreState(high + Simd::High(sums[pair]), at + kHalf);
-    }
-  }
-
-  static void AddProducts(const float* const* a,
-                          const float* const* b,
-                          int64_t rows,
-                          double* lanes) {
-    for (int64_t first = 0; first < rows; first += kProductRows) {
-      const int64_t last = rows - first < kProductRows ? rows : first + kProductRows;
-      for (int lane = 0; lane < kFieldLanes; lane += Simd::kWidth) {
-        for (int row = 0; row < kFieldTile; row += Simd::kTileRows) {
-          AddTileBlock(a + row, b, first * kFieldLanes + lane, last * kFieldLanes,
-                       lanes + int64_t{row} * kFieldTile * kFieldLanes + lane);
-        }
       }
     }
   }

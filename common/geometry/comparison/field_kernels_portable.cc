@@ -12,7 +12,6 @@ struct PortableSimd {
   using Bits = uint64_t __attribute__((vector_size(16)));
   using Indices = int32_t __attribute__((vector_size(16)));
   static constexpr int kWidth = 4;
-  static constexpr int kTileRows = 2;
 
   static Float Load(const float* source) {
     Float result;
@@ -27,10 +26,6 @@ struct PortableSimd {
   }
   static Float Min(Float a, Float b) { return a < b ? a : b; }
   static Float Max(Float a, Float b) { return a > b ? a : b; }
-  static Float MulAdd(Float a, Float b, Float c) {
-    return Float{std::fma(a[0], b[0], c[0]), std::fma(a[1], b[1], c[1]), std::fma(a[2], b[2], c[2]),
-                 std::fma(a[3], b[3], c[3])};
-  }
   static Float Abs(Float v) { return v < 0 ? -v : v; }
   /// Values of 2^23 and more are whole already, and may not fit an integer.
   static Float Floor(Float v) {
@@ -67,7 +62,7 @@ struct PortableSimd {
 const FieldKernels* PortableFieldKernels() {
   using Loops = FieldLoops<PortableSimd>;
   static constexpr FieldKernels kKernels = {"portable", &Loops::Accumulate, &Loops::Count,
-                                            &Loops::Pick, &Loops::AddProducts};
+                                            &Loops::Pick};
   return &kKernels;
 }
 

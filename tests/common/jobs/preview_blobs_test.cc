@@ -1,10 +1,14 @@
 #include "common/jobs/preview_blobs.h"
 
+#include <array>
+#include <limits>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/base/byte_io.h"
 #include "tests/testing/status_matchers.h"
 
 namespace cohort {
@@ -23,6 +27,17 @@ std::string SomeCorrespondences() {
   return EncodeCorrespondenceBlob(part);
 }
 
+/// As Cohort wrote it before there were steps: two meshes of one vertex.
+std::string SomeFloatCorrespondences(float last) {
+  ByteWriter writer;
+  writer.PutBytes("COHCORR1");
+  writer.Put<uint64_t>(1);
+  writer.Put<uint64_t>(2);
+  writer.PutArray<int32_t>(std::array<int32_t, 2>{4, 9});
+  writer.PutArray<float>(std::array<float, 6>{0, 1.5F, -3, 0.25F, -40, last});
+  return std::move(writer).Take();
+}
+
 std::string SomePreview() {
   return EncodePreviewBlob({.rows = {0, 1}, .columns = {2}, .values = {0.5, 0.25}});
 }
@@ -33,7 +48,34 @@ TEST(CorrespondenceBlob, ComesBackAsItWas) {
   EXPECT_THAT(part->meshes, ElementsAre(4, 9));
   ASSERT_EQ(part->fields.MeshCount(), 2);
   EXPECT_EQ(part->fields.VertexCount(), 7);
-  EXPECT_EQ(part->fields.Of(1)(2, 6), -2.0F);
+  EXPECT_EQ(part->fields.Of(0)(0, 0), 1.5);
+  EXPECT_EQ(part->fields.Of(1)(2, 6), -2.0);
+}
+
+TEST(CorrespondenceBlob, OfTheFirstVersionIsReadAndRounded) {
+  const auto part = DecodeCorrespondenceBlob(SomeFloatCorrespondences(0.126F));
+  ASSERT_THAT(part, IsOk());
+  EXPECT_THAT(part->meshes, ElementsAre(4, 9));
+  ASSERT_EQ(part->fields.MeshCount(), 2);
+  EXPECT_EQ(part->fields.Of(0), Eigen::Vector3d(0, 1.5, -3));
+  // In steps of 2^-7, the least for 40 mm.
+  EXPECT_EQ(part->fields.Of(1), Eigen::Vector3d(0.25, -40, 0.125));
+}
+
+TEST(CorrespondenceBlob, OfTheFirstVersionWithoutAPlaceIsRefused) {
+  const std::string bytes = SomeFloatCorrespondences(std::numeric_limits<float>::quiet_NaN());
+  EXPECT_THAT(DecodeCorrespondenceBlob(bytes), StatusIs(kDataLoss, "not finite"));
+}
+
+/// Products of such values would not be exact any more.
+TEST(CorrespondenceBlob, WithStepsOrValuesOutOfRangeIsRefused) {
+  constexpr size_t kStepAt = 8 + 8 + 8 + 2 * 4;  // magic, two counts, two indices
+  std::string too_large = SomeCorrespondences();
+  too_large.replace(kStepAt + 4, 2, "\x00\x20", 2);
+  EXPECT_THAT(DecodeCorrespondenceBlob(too_large), StatusIs(kDataLoss, "out of range"));
+  std::string too_coarse = SomeCorrespondences();
+  too_coarse.replace(kStepAt, 4, "\x75\x00\x00\x00", 4);
+  EXPECT_THAT(DecodeCorrespondenceBlob(too_coarse), StatusIs(kDataLoss, "2^117"));
 }
 
 TEST(PreviewBlob, ComesBackAsItWas) {
@@ -46,7 +88,11 @@ TEST(PreviewBlob, ComesBackAsItWas) {
 
 TEST(PreviewBlobs, CutAnywhereOrTooLongAreRefused) {
   const std::string correspondences = SomeCorrespondences();
+  const std::string floats = SomeFloatCorrespondences(1);
   const std::string preview = SomePreview();
+  for (size_t size = 0; size < floats.size(); ++size) {
+    EXPECT_THAT(DecodeCorrespondenceBlob(floats.substr(0, size)), StatusIs(kDataLoss, "blob of"));
+  }
   for (size_t size = 0; size < correspondences.size(); ++size) {
     EXPECT_THAT(DecodeCorrespondenceBlob(correspondences.substr(0, size)),
                 StatusIs(kDataLoss, "blob of"));
@@ -54,6 +100,7 @@ TEST(PreviewBlobs, CutAnywhereOrTooLongAreRefused) {
   for (size_t size = 0; size < preview.size(); ++size) {
     EXPECT_THAT(DecodePreviewBlob(preview.substr(0, size)), StatusIs(kDataLoss, "blob of"));
   }
+  EXPECT_THAT(DecodeCorrespondenceBlob(floats + "x"), StatusIs(kDataLoss, "blob of"));
   EXPECT_THAT(DecodeCorrespondenceBlob(correspondences + "x"), StatusIs(kDataLoss, "blob of"));
   EXPECT_THAT(DecodePreviewBlob(preview + "x"), StatusIs(kDataLoss, "blob of"));
 }

@@ -1,13 +1,13 @@
 #include "common/geometry/comparison/corresponded_rms.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/base/random.h"
-#include "common/geometry/comparison/field_kernels.h"
 
 namespace cohort {
 namespace {
@@ -29,17 +29,23 @@ DisplacementFields SomeFields(uint64_t seed, int64_t meshes, int64_t vertices) {
   return fields;
 }
 
+double RmsOf(const Eigen::Matrix3Xd& difference) {
+  return std::sqrt(difference.squaredNorm() / static_cast<double>(difference.cols()));
+}
+
+/// Of the fields as they were rounded.
 double Brute(const DisplacementFields& rows,
              int64_t row,
              const DisplacementFields& columns,
              int64_t column) {
-  const Eigen::Matrix3Xd difference =
-      rows.Of(row).cast<double>() - columns.Of(column).cast<double>();
-  return std::sqrt(difference.squaredNorm() / static_cast<double>(rows.VertexCount()));
+  return RmsOf(rows.Of(row) - columns.Of(column));
 }
 
+/// Sums of doubles, here and in Brute.
+constexpr double kRelative = 1e-12;
+
 TEST(CorrespondedRms, EqualsBruteForceForAllSizes) {
-  for (const int64_t vertices : {1, 5, 16, 17, 341, 342, 9000}) {
+  for (const int64_t vertices : {1, 5, 10, 11, 32, 341, 342, 9000}) {
     for (const int64_t meshes : {1, 3, 4, 17}) {
       const DisplacementFields rows = SomeFields(1, meshes, vertices);
       const DisplacementFields columns = SomeFields(100, meshes + 2, vertices);
@@ -49,10 +55,24 @@ TEST(CorrespondedRms, EqualsBruteForceForAllSizes) {
       for (int64_t i = 0; i < rms.rows(); ++i) {
         for (int64_t j = 0; j < rms.cols(); ++j) {
           const double truth = Brute(rows, i, columns, j);
-          EXPECT_NEAR(rms(i, j), truth, 5e-6 * truth)
+          EXPECT_NEAR(rms(i, j), truth, kRelative * truth)
               << vertices << " vertices, " << i << ", " << j;
         }
       }
+    }
+  }
+}
+
+TEST(CorrespondedRms, EqualsBruteForceForFieldsOfUnlikeSize) {
+  DisplacementFields fields(300);
+  for (const float size : {1e-30F, 1e-3F, 1.0F, 1.4F, 300.0F, 1e20F, 0.0F}) {
+    fields.Add(size * SomeField(5, 300));
+  }
+  const Eigen::MatrixXd rms = CorrespondedRms(fields, fields);
+  for (int64_t i = 0; i < rms.rows(); ++i) {
+    for (int64_t j = 0; j < rms.cols(); ++j) {
+      const double truth = Brute(fields, i, fields, j);
+      EXPECT_NEAR(rms(i, j), truth, kRelative * truth) << i << ", " << j;
     }
   }
 }
@@ -67,15 +87,36 @@ TEST(CorrespondedRms, IsSymmetricWithAnExactlyZeroDiagonalWhateverTheBlocks) {
   EXPECT_EQ(CorrespondedRms(some, fields), Eigen::MatrixXd(rms.middleRows(3, 2)));
 }
 
-TEST(CorrespondedRms, LosesNoDigitsWhereFieldsAreNearlyTheSame) {
-  for (const float change : {1e-1F, 1e-3F, 1e-5F, 0.0F}) {
+/// As the header states it; the second field crosses from one step to the next.
+TEST(CorrespondedRms, OfTheDisplacementsBeforeIsWithinTheStatedError) {
+  const Eigen::Matrix3Xf field = SomeField(3, 500);
+  for (const float change : {10.0F, 1.0F, 0.4F, 1e-1F, 1e-3F, 1e-5F, 0.0F}) {
+    const Eigen::Matrix3Xf other = field + change * SomeField(4, 500);
     DisplacementFields fields(500);
-    const Eigen::Matrix3Xf field = SomeField(3, 500);
     fields.Add(field);
-    fields.Add(field + change * SomeField(4, 500));
-    const double truth = Brute(fields, 0, fields, 1);
-    EXPECT_NEAR(CorrespondedRms(fields, fields)(0, 1), truth, 1e-4 * truth) << change;
+    fields.Add(other);
+    const double truth = RmsOf(field.cast<double>() - other.cast<double>());
+    const double bound = std::sqrt(3.0) / 2 * (fields.Step(0) + fields.Step(1));
+    const double largest = static_cast<double>(field.cwiseAbs().maxCoeff()) +
+                           static_cast<double>(other.cwiseAbs().maxCoeff());
+    EXPECT_LE(bound, largest / 4700) << change;
+    EXPECT_NEAR(CorrespondedRms(fields, fields)(0, 1), truth, bound) << change;
   }
+}
+
+TEST(CorrespondedRms, GrowsByEvenlySpreadRoundingsAsStated) {
+  constexpr int64_t kVertices = 20'000;
+  const Eigen::Matrix3Xf field = SomeField(3, kVertices);
+  const Eigen::Matrix3Xf other = field + SomeField(4, kVertices) * 0.01F;
+  DisplacementFields fields(kVertices);
+  fields.Add(field);
+  fields.Add(other);
+  const double s = fields.Step(0);
+  const double t = fields.Step(1);
+  const double truth = RmsOf(field.cast<double>() - other.cast<double>());
+  const double growth = CorrespondedRms(fields, fields)(0, 1) - truth;
+  // Of 60,000 roundings the spread is a few percent of this.
+  EXPECT_NEAR(growth / ((s * s + t * t) / (8 * truth)), 1, 0.3);
 }
 
 TEST(CorrespondedRms, OfATranslationIsItsLength) {
@@ -85,27 +126,61 @@ TEST(CorrespondedRms, OfATranslationIsItsLength) {
   EXPECT_DOUBLE_EQ(CorrespondedRms(fields, fields)(0, 1), std::sqrt(12.0));
 }
 
-TEST(FieldKernels, AddTheSameProductsOnAllInstructionSets) {
-  constexpr int64_t kRows = 700;
-  std::vector<Eigen::Matrix3Xf> fields;
-  fields.reserve(size_t{2} * kFieldTile);
-  for (uint64_t seed = 0; seed < uint64_t{2} * kFieldTile; ++seed) {
-    fields.push_back(SomeField(seed, kRows * kFieldLanes));
+/// Where 32 bits would be too few at once: all products are as large as they come.
+TEST(CorrespondedRms, OfTheLargestStepsDoesNotOverflow) {
+  DisplacementFields fields(20'000);
+  fields.Add(Eigen::Matrix3Xf::Constant(3, 20'000, 8191));
+  fields.Add(Eigen::Matrix3Xf::Constant(3, 20'000, -8191));
+  ASSERT_EQ(fields.Values(0)[0], 8191);
+  EXPECT_DOUBLE_EQ(CorrespondedRms(fields, fields)(0, 1), std::sqrt(3.0) * 2 * 8191);
+}
+
+int32_t StepExponentOf(float largest) {
+  DisplacementFields fields(2);
+  Eigen::Matrix3Xf field = Eigen::Matrix3Xf::Zero(3, 2);
+  field(1, 1) = -largest;
+  fields.Add(field);
+  return fields.StepExponent(0);
+}
+
+TEST(DisplacementFields, TakeTheSmallestStepThatIsLargeEnough) {
+  EXPECT_EQ(StepExponentOf(8191), 0);
+  EXPECT_EQ(StepExponentOf(8191.4375F), 0);
+  EXPECT_EQ(StepExponentOf(8191.5F), 1);
+  EXPECT_EQ(StepExponentOf(4095.75F), 0);
+  EXPECT_EQ(StepExponentOf(4095.7F), -1);
+  EXPECT_EQ(StepExponentOf(15.9F), -9);
+  EXPECT_EQ(StepExponentOf(16.0F), -8);
+  EXPECT_EQ(StepExponentOf(std::numeric_limits<float>::max()), 116);
+  EXPECT_EQ(StepExponentOf(std::numeric_limits<float>::denorm_min()), -100);
+}
+
+TEST(DisplacementFields, AreWithinHalfAStepOfWhatWasAdded) {
+  for (const float size : {1e-25F, 1e-3F, 1.0F, 1e6F, 1e37F}) {
+    const Eigen::Matrix3Xf field = size * SomeField(11, 777);
+    DisplacementFields fields(777);
+    fields.Add(field);
+    const Eigen::Matrix3Xd difference = fields.Of(0) - field.cast<double>();
+    EXPECT_LE(difference.cwiseAbs().maxCoeff(), fields.Step(0) / 2) << size;
   }
-  std::vector<const float*> sides;
-  sides.reserve(fields.size());
-  for (const Eigen::Matrix3Xf& field : fields) {
-    sides.push_back(field.data());
-  }
-  std::vector<double> expected;
-  for (const FieldKernels* kernels : RunnableFieldKernels()) {
-    std::vector<double> lanes(kFieldTileLanes, 0.5);
-    kernels->add_products(sides.data(), sides.data() + kFieldTile, kRows, lanes.data());
-    if (expected.empty()) {
-      expected = lanes;
-    }
-    EXPECT_EQ(lanes, expected) << kernels->name;
-  }
+}
+
+TEST(DisplacementFields, ComeBackFromTheirSteps) {
+  const DisplacementFields fields = SomeFields(1, 1, 45);
+  DisplacementFields again(45);
+  ASSERT_TRUE(DisplacementFields::MayAdd(fields.StepExponent(0), fields.Values(0)));
+  again.AddSteps(fields.StepExponent(0), fields.Values(0));
+  EXPECT_EQ(again.Of(0), fields.Of(0));
+}
+
+TEST(DisplacementFields, MayNotHaveMoreStepsThanTheProductsTake) {
+  const std::vector<int16_t> most = {8191, -8191, 0};
+  EXPECT_TRUE(DisplacementFields::MayAdd(-100, most));
+  EXPECT_TRUE(DisplacementFields::MayAdd(116, most));
+  EXPECT_FALSE(DisplacementFields::MayAdd(-101, most));
+  EXPECT_FALSE(DisplacementFields::MayAdd(117, most));
+  EXPECT_FALSE(DisplacementFields::MayAdd(0, std::vector<int16_t>{0, 8192, 0}));
+  EXPECT_FALSE(DisplacementFields::MayAdd(0, std::vector<int16_t>{0, 0, -8192}));
 }
 
 }  // namespace
