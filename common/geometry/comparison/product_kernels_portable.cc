@@ -7,7 +7,7 @@ namespace {
 struct Portable {
   static int64_t Product(const int16_t* a, const int16_t* b, int64_t rows) {
     // In a lane of whatever width: at most kStepsInInt32 times two products, and not more in all.
-    constexpr int64_t kBlock = 2 * kStepsInInt32;
+    constexpr int64_t kBlock = int64_t{2} * kStepsInInt32;
     static_assert(kBlock == kProductRow);
     int64_t total = 0;
     for (int64_t row = 0; row < rows; ++row) {
@@ -24,8 +24,8 @@ struct Portable {
                           const int16_t* const* b,
                           int64_t rows,
                           int64_t* lanes) {
-    for (int i = 0; i < kProductTile; ++i) {
-      for (int j = 0; j < kProductTile; ++j) {
+    for (int64_t i = 0; i < kProductTile; ++i) {
+      for (int64_t j = 0; j < kProductTile; ++j) {
         lanes[(i * kProductTile + j) * kProductLanes] += Product(a[i], b[j], rows);
       }
     }
