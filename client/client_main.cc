@@ -43,8 +43,10 @@ int Dispatch(int argc, char** argv) {
   AddStatusCommand(app, action);
   AddWatchCommand(app, action);
   AddJobsCommand(app, action);
-  AddCancelCommand(app, action);
   AddResultsCommand(app, action);
+  AddManageCommands(app, action);
+  AddWorkersCommand(app, action);
+  AddTopCommand(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -174,6 +174,14 @@ void JobFlags::AddComparisonOptionsTo(CLI::App& command) {
                 "before the comparison, a quick matrix: RMS over corresponding points of the mean "
                 "shape; never in place of the exact one")
       ->group(group);
+  command.add_flag("--fresh", fresh, "compute everything, also what is known from earlier jobs")
+      ->group("Job");
+  command
+      .add_option("--priority", priority,
+                  "-100 to 100: jobs of a higher one come first; equal ones share the workers")
+      ->check(CLI::Range(-100, 100))
+      ->capture_default_str()
+      ->group("Job");
   add("--retention-budget", retention_budget_gb, "for auto, GB [2]");
   command
       .add_flag("--signed", signed_distances,
@@ -265,6 +273,8 @@ absl::StatusOr<JobSpec> JobFlags::ToSpec() const {
   COHORT_RETURN_IF_ERROR(SetFromName(symmetrize, "--symmetrize", "mean, max or directed",
                                      SymmetrizationFromName, spec.symmetrization));
   spec.preview = preview;
+  spec.fresh = fresh;
+  spec.priority = priority;
   SetIfGiven(neighbours, spec.neighbours);
   SetIfGiven(position_bits, spec.position_bits);
   SetIfGiven(size_ratio_limit, spec.size_ratio_limit);

@@ -36,6 +36,8 @@ struct JobFlags {
   std::optional<std::string> retention;
   std::optional<double> retention_budget_gb;
   bool preview = false;
+  bool fresh = false;
+  int priority = 0;
   bool signed_distances = false;
   std::optional<std::string> metric;
   std::optional<std::string> symmetrize;

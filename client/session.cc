@@ -29,6 +29,7 @@ Session::Session(std::shared_ptr<grpc::Channel> channel, const std::string& addr
       meshes_(v1::MeshService::NewStub(channel_)),
       jobs_(v1::JobService::NewStub(channel_)),
       results_(v1::ResultService::NewStub(channel_)),
+      admin_(v1::AdminService::NewStub(channel_)),
       blobs_(channel_, address) {}
 
 absl::StatusOr<std::unique_ptr<Session>> Session::Open(const std::string& address) {
@@ -156,16 +157,6 @@ absl::StatusOr<std::vector<Job>> Session::ListJobs(int limit) {
     request.set_page_token(response.next_page_token());
   } while (!request.page_token().empty() && std::ssize(jobs) < limit);
   return jobs;
-}
-
-absl::StatusOr<Job> Session::CancelJob(const JobId& id) {
-  v1::CancelJobRequest request;
-  request.set_id(id.value);
-  v1::CancelJobResponse response;
-  grpc::ClientContext context;
-  SetDeadline(context, kUnaryDeadlineSeconds);
-  COHORT_RETURN_IF_ERROR(FromGrpcStatus(jobs_->CancelJob(&context, request, &response), address_));
-  return FromProto(response.job());
 }
 
 absl::Status Session::WatchOnce(const JobId& id,

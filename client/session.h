@@ -9,11 +9,13 @@
 #include <absl/status/statusor.h>
 #include <grpcpp/channel.h>
 
+#include "cohort/v1/admin_service.grpc.pb.h"
 #include "cohort/v1/job_service.grpc.pb.h"
 #include "cohort/v1/mesh_service.grpc.pb.h"
 #include "cohort/v1/result_service.grpc.pb.h"
 #include "common/analysis/metric_matrix.h"
 #include "common/jobs/job_state.h"
+#include "common/jobs/worker_status.h"
 #include "common/rpc/rpc_blob_store.h"
 
 namespace cohort {
@@ -34,6 +36,10 @@ class Session {
                                      const SetMesh& mesh,
                                      const std::string& path);
   [[nodiscard]] absl::StatusOr<std::vector<SetMesh>> ListMeshes(const std::string& set);
+  [[nodiscard]] absl::Status RemoveMesh(const std::string& set, const std::string& name);
+  [[nodiscard]] absl::Status DeleteSet(const std::string& set);
+  /// By name.
+  [[nodiscard]] absl::StatusOr<std::vector<WorkerStatus>> ListWorkers();
 
   [[nodiscard]] absl::StatusOr<Job> CreateJob(const std::string& set,
                                               const JobSpec& spec,
@@ -42,6 +48,10 @@ class Session {
   /// Newest first, at most `limit`.
   [[nodiscard]] absl::StatusOr<std::vector<Job>> ListJobs(int limit);
   [[nodiscard]] absl::StatusOr<Job> CancelJob(const JobId& id);
+  [[nodiscard]] absl::StatusOr<Job> PauseJob(const JobId& id);
+  [[nodiscard]] absl::StatusOr<Job> ResumeJob(const JobId& id);
+  [[nodiscard]] absl::StatusOr<Job> RetryJob(const JobId& id);
+  [[nodiscard]] absl::Status DeleteJob(const JobId& id);
   /// Calls `on_change` with the job now and after every change until it has ended or `on_change`
   /// returns false. Reconnects and goes on where it was when the stream breaks.
   /// @return the last state; kUnavailable when the server stays away for a minute.
@@ -74,6 +84,7 @@ class Session {
   std::unique_ptr<v1::MeshService::Stub> meshes_;
   std::unique_ptr<v1::JobService::Stub> jobs_;
   std::unique_ptr<v1::ResultService::Stub> results_;
+  std::unique_ptr<v1::AdminService::Stub> admin_;
   RpcBlobStore blobs_;
 };
 

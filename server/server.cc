@@ -14,6 +14,7 @@
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
 #include "common/rpc/channel.h"
+#include "server/services/admin_service.h"
 #include "server/services/blob_service.h"
 #include "server/services/job_service.h"
 #include "server/services/mesh_service.h"
@@ -24,6 +25,7 @@ namespace cohort {
 namespace {
 
 constexpr std::chrono::seconds kDrainTime(5);
+constexpr std::chrono::seconds kTickTime(1);
 constexpr double kOldUploadSeconds = 24 * 3600;
 
 void SetUp(grpc::ServerBuilder& builder) {
@@ -71,7 +73,8 @@ struct Server::Services {
         job(coordinator, hub),
         result(coordinator),
         blob(store),
-        worker(coordinator) {
+        worker(coordinator),
+        admin(coordinator) {
     coordinator.SetObserver(&hub);
   }
   JobWatchHub hub;
@@ -80,6 +83,7 @@ struct Server::Services {
   ResultServiceSkin result;
   BlobServiceSkin blob;
   WorkerServiceSkin worker;
+  AdminServiceSkin admin;
   std::unique_ptr<grpc::Server> grpc_server;
 };
 
@@ -118,6 +122,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
       Coordinator::Create(core, *server->catalog_, *server->store_, server->clock_));
   server->services_ = std::make_unique<Services>(*server->coordinator_, *server->store_);
   COHORT_RETURN_IF_ERROR(server->Listen(options));
+  server->ticking_ =
+      std::jthread([raw = server.get()](const std::stop_token& stop) { raw->TickUntil(stop); });
   return server;
 }
 
@@ -139,6 +145,7 @@ absl::Status Server::Listen(const ServerOptions& options) {
   builder.RegisterService(&services_->result);
   builder.RegisterService(&services_->blob);
   builder.RegisterService(&services_->worker);
+  builder.RegisterService(&services_->admin);
   services_->grpc_server = builder.BuildAndStart();
   for (size_t i = 0; i < ports.size(); ++i) {
     if (services_->grpc_server == nullptr || ports[i] == 0) {
@@ -152,7 +159,30 @@ absl::Status Server::Listen(const ServerOptions& options) {
                                    : WritePortFile(options.port_file, addresses_);
 }
 
+void Server::TickUntil(const std::stop_token& stop) {
+  Mutex mutex;
+  CondVar stopped;
+  const std::stop_callback wake(stop, [&] {
+    const MutexLock lock(mutex);
+    stopped.NotifyAll();
+  });
+  while (!stop.stop_requested()) {
+    const absl::Status status = coordinator_->Tick();
+    if (!status.ok()) {
+      spdlog::error("event=tick_failed error=\"{}\"", std::string(status.message()));
+    }
+    const MutexLock lock(mutex);
+    if (!stop.stop_requested()) {
+      stopped.WaitUntil(mutex, std::chrono::steady_clock::now() + kTickTime);
+    }
+  }
+}
+
 void Server::Stop() {
+  ticking_.request_stop();
+  if (ticking_.joinable()) {
+    ticking_.join();
+  }
   if (services_ == nullptr || services_->grpc_server == nullptr) {
     return;
   }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -34,6 +36,7 @@ class Server {
   struct Services;
   Server() = default;
   absl::Status Listen(const ServerOptions& options);
+  void TickUntil(const std::stop_token& stop);
 
   SystemClock clock_;
   std::unique_ptr<Catalog> catalog_;
@@ -41,6 +44,7 @@ class Server {
   std::unique_ptr<Coordinator> coordinator_;
   std::unique_ptr<Services> services_;
   std::vector<std::string> addresses_;
+  std::jthread ticking_;  ///< Calls Coordinator::Tick.
 };
 
 }  // namespace cohort

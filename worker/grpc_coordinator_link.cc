@@ -36,9 +36,7 @@ absl::StatusOr<WorkerOrders> GrpcCoordinatorLink::Synchronize(const WorkerReport
   request.set_worker(report.worker.value);
   request.set_build(report.build);
   for (const HeldTask& task : report.held) {
-    v1::HeldTask* held = request.add_held();
-    *held->mutable_lease() = ToProto(task.lease);
-    held->set_ticks(task.ticks);
+    *request.add_held() = ToProto(task);
   }
   request.set_free_slots(report.free_slots);
   request.set_spare_slots(report.spare_slots);

@@ -33,7 +33,10 @@ void AddSubmitCommand(CLI::App& app, Action& action);
 void AddStatusCommand(CLI::App& app, Action& action);
 void AddWatchCommand(CLI::App& app, Action& action);
 void AddJobsCommand(CLI::App& app, Action& action);
-void AddCancelCommand(CLI::App& app, Action& action);
+/// cancel, pause, resume, retry, delete, remove.
+void AddManageCommands(CLI::App& app, Action& action);
+void AddWorkersCommand(CLI::App& app, Action& action);
+void AddTopCommand(CLI::App& app, Action& action);
 void AddResultsCommand(CLI::App& app, Action& action);
 void AddGpaCommand(CLI::App& app, Action& action);
 void AddDemoCommand(CLI::App& app, Action& action);

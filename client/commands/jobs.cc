@@ -1,4 +1,4 @@
-// Commands about jobs on a server: submit, status, watch, jobs, cancel, results.
+// Commands about jobs on a server: submit, status, watch, jobs, results.
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -108,13 +108,6 @@ absl::StatusOr<int> List(const JobCommandFlags& flags) {
   return kExitOk;
 }
 
-absl::StatusOr<int> Cancel(const JobCommandFlags& flags) {
-  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, flags.server.Connect());
-  COHORT_ASSIGN_OR_RETURN(const Job job, session->CancelJob(JobId{flags.job}));
-  Print(flags.server, job);
-  return kExitOk;
-}
-
 absl::StatusOr<int> Preview(const JobCommandFlags& flags) {
   COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, flags.server.Connect());
   COHORT_ASSIGN_OR_RETURN(const Job job, session->GetJob(JobId{flags.job}));
@@ -201,12 +194,6 @@ void AddJobsCommand(CLI::App& app, Action& action) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->footer("Example: cohort jobs --limit 5");
-}
-
-void AddCancelCommand(CLI::App& app, Action& action) {
-  const auto [command, flags] = AddCommand(app, action, "cancel", "stop a job", Cancel);
-  AddJobArgument(*command, *flags);
-  command->footer("Example: cohort cancel j-000001");
 }
 
 void AddResultsCommand(CLI::App& app, Action& action) {

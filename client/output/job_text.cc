@@ -48,6 +48,8 @@ nlohmann::json JobToJson(const Job& job) {
       {"stage", job.progress.stage},
       {"tasks_done", job.progress.tasks_done},
       {"tasks_total", job.progress.tasks_total},
+      {"tasks_reused", job.progress.tasks_reused},
+      {"tasks_given_up", job.progress.tasks_given_up},
       {"percent", PercentDone(job)},
       {"created", TimeOrNull(job.created_unix_ms)},
       {"started", TimeOrNull(job.started_unix_ms)},
@@ -73,6 +75,14 @@ std::string JobToText(const Job& job) {
                       job.spec.compare.sign == DistanceSign::kSigned ? " (signed)" : "",
                       job.spec.arithmetic == Arithmetic::kFidentis ? ", preset fidentis" : "");
   text += fmt::format("  created {}, took {}\n", Iso8601Utc(job.created_unix_ms), Duration(job));
+  if (job.progress.tasks_reused > 0) {
+    text += fmt::format("  {} of {} tasks were known from earlier jobs\n",
+                        job.progress.tasks_reused, job.progress.tasks_total);
+  }
+  if (job.progress.tasks_given_up > 0) {
+    text += fmt::format("  {} tasks failed; once the job has ended: cohort retry {}\n",
+                        job.progress.tasks_given_up, job.id.value);
+  }
   if (!job.error.empty()) {
     text += "  error: " + job.error + "\n";
   }

@@ -13,6 +13,7 @@
 namespace cohort {
 namespace {
 
+constexpr int kMostPriority = 100;
 constexpr int kMaxRounds = 100;
 constexpr int kMinPositionBits = 8;
 constexpr int kMaxPositionBits = 30;
@@ -54,6 +55,9 @@ absl::Status CheckEngine(const JobSpec& spec) {
 absl::Status JobSpec::Validate() const {
   if (rounds < 1 || rounds > kMaxRounds) {
     return Refused("rounds", rounds, absl::StrCat("1 to ", kMaxRounds));
+  }
+  if (priority < -kMostPriority || priority > kMostPriority) {
+    return Refused("priority", priority, absl::StrCat("-", kMostPriority, " to ", kMostPriority));
   }
   if (base_rule == BaseRule::kAuto && !base.empty()) {
     return Refused("base", absl::StrCat("\"", base, "\""), "none with the base rule \"auto\"");

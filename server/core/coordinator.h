@@ -18,10 +18,10 @@
 #include "common/jobs/lease.h"
 #include "common/jobs/task.h"
 #include "common/jobs/worker_protocol.h"
+#include "common/jobs/worker_status.h"
 #include "common/store/blob_store.h"
 #include "server/catalog/catalog.h"
 #include "server/core/active_job.h"
-#include "server/core/worker_status.h"
 #include "server/results/matrix_builder.h"
 #include "server/scheduling/scheduler.h"
 

@@ -29,6 +29,10 @@ bool IsRetryable(absl::StatusCode code) {
          code != absl::StatusCode::kFailedPrecondition;
 }
 
+double SecondsBetween(MonotonicTime from, MonotonicTime to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
 TaskRecord RecordOf(int64_t number, const TaskAttempts& attempts) {
   TaskRecord record;
   record.number = number;
@@ -142,7 +146,10 @@ void Coordinator::NoteWorker(const WorkerReport& report, MonotonicTime now) {
   status.instruction_set = report.instruction_set;
   status.slots = report.slots;
   status.is_draining = report.draining;
-  status.held = report.held;
+  status.running.clear();
+  for (const HeldTask& held : report.held) {
+    status.running.push_back({.held = held, .stage = "", .seconds = 0});
+  }
   last_seen_[report.worker] = now;
 }
 
@@ -399,12 +406,19 @@ absl::Status Coordinator::GiveUp(const std::vector<TaskId>& tasks, const std::st
 
 std::vector<WorkerStatus> Coordinator::ListWorkers() {
   const MutexLock lock(mutex_);
+  const MonotonicTime now = clock_.Now();
   std::vector<WorkerStatus> workers;
   workers.reserve(workers_.size());
   for (const auto& [id, status] : workers_) {
     workers.push_back(status);
-    workers.back().silent_seconds =
-        std::chrono::duration<double>(clock_.Now() - last_seen_.at(id)).count();
+    workers.back().silent_seconds = SecondsBetween(last_seen_.at(id), now);
+    for (RunningTask& running : workers.back().running) {
+      const Lease& lease = running.held.lease;
+      if (const auto granted = scheduler_.GrantedAt(lease)) {
+        running.stage = active_.at(lease.task.job).plan->StageOf(lease.task.number);
+        running.seconds = SecondsBetween(*granted, now);
+      }
+    }
   }
   return workers;
 }
@@ -424,7 +438,7 @@ absl::Status Coordinator::Tick() {
     }
     const double forget = kListedLeaseTimes * options_.scheduler.lease_seconds;
     std::erase_if(last_seen_, [&](const auto& seen) {
-      const bool is_gone = std::chrono::duration<double>(now - seen.second).count() > forget;
+      const bool is_gone = SecondsBetween(seen.second, now) > forget;
       if (is_gone) {
         workers_.erase(seen.first);
       }

@@ -109,10 +109,12 @@ class Scheduler {
   [[nodiscard]] TaskAttempts AttemptsOf(const TaskId& task) const;
   /// The task's newest lease, if it is out.
   [[nodiscard]] std::optional<Lease> LeaseOf(const TaskId& task) const;
+  /// When this lease was granted; nothing if it is not out.
+  [[nodiscard]] std::optional<MonotonicTime> GrantedAt(const Lease& lease) const;
   /// True if the task is ready, waits or is out.
   [[nodiscard]] bool IsOpen(const TaskId& task) const;
   /// True if this very lease is out.
-  [[nodiscard]] bool IsCurrent(const Lease& lease) const;
+  [[nodiscard]] bool IsCurrent(const Lease& lease) const { return GrantedAt(lease).has_value(); }
   /// Tasks that wait for a worker or for the end of their back-off.
   [[nodiscard]] int64_t ReadyCount() const;
   [[nodiscard]] int64_t LeasedCount() const { return leased_count_; }

@@ -52,11 +52,17 @@ std::optional<Lease> Scheduler::LeaseOf(const TaskId& task) const {
   return Lease{task, entry->copies.back().epoch};
 }
 
-bool Scheduler::IsCurrent(const Lease& lease) const {
+std::optional<MonotonicTime> Scheduler::GrantedAt(const Lease& lease) const {
   const Entry* entry = Find(lease.task);
-  return entry != nullptr &&
-         std::any_of(entry->copies.begin(), entry->copies.end(),
-                     [&](const Copy& copy) { return copy.epoch == lease.epoch; });
+  if (entry == nullptr) {
+    return std::nullopt;
+  }
+  for (const Copy& copy : entry->copies) {
+    if (copy.epoch == lease.epoch) {
+      return copy.granted;
+    }
+  }
+  return std::nullopt;
 }
 
 bool Scheduler::IsOpen(const TaskId& task) const {

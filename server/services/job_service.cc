@@ -61,6 +61,30 @@ grpc::Status JobServiceSkin::CancelJob(grpc::ServerContext* /*context*/,
   return Answer(coordinator_.CancelJob(JobId{request->id()}), response);
 }
 
+grpc::Status JobServiceSkin::PauseJob(grpc::ServerContext* /*context*/,
+                                      const v1::PauseJobRequest* request,
+                                      v1::PauseJobResponse* response) {
+  return Answer(coordinator_.PauseJob(JobId{request->id()}), response);
+}
+
+grpc::Status JobServiceSkin::ResumeJob(grpc::ServerContext* /*context*/,
+                                       const v1::ResumeJobRequest* request,
+                                       v1::ResumeJobResponse* response) {
+  return Answer(coordinator_.ResumeJob(JobId{request->id()}), response);
+}
+
+grpc::Status JobServiceSkin::RetryJob(grpc::ServerContext* /*context*/,
+                                      const v1::RetryJobRequest* request,
+                                      v1::RetryJobResponse* response) {
+  return Answer(coordinator_.RetryJob(JobId{request->id()}), response);
+}
+
+grpc::Status JobServiceSkin::DeleteJob(grpc::ServerContext* /*context*/,
+                                       const v1::DeleteJobRequest* request,
+                                       v1::DeleteJobResponse* /*response*/) {
+  return ToGrpcStatus(coordinator_.DeleteJob(JobId{request->id()}));
+}
+
 grpc::ServerWriteReactor<v1::WatchJobResponse>* JobServiceSkin::WatchJob(
     grpc::CallbackServerContext* /*context*/, const v1::WatchJobRequest* request) {
   const absl::StatusOr<Job> job = coordinator_.GetJob(JobId{request->id()});

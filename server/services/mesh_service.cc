@@ -129,4 +129,16 @@ grpc::Status MeshServiceSkin::ListSets(grpc::ServerContext* /*context*/,
   return grpc::Status::OK;
 }
 
+grpc::Status MeshServiceSkin::RemoveMesh(grpc::ServerContext* /*context*/,
+                                         const v1::RemoveMeshRequest* request,
+                                         v1::RemoveMeshResponse* /*response*/) {
+  return ToGrpcStatus(coordinator_.RemoveMesh(request->set(), request->name()));
+}
+
+grpc::Status MeshServiceSkin::DeleteSet(grpc::ServerContext* /*context*/,
+                                        const v1::DeleteSetRequest* request,
+                                        v1::DeleteSetResponse* /*response*/) {
+  return ToGrpcStatus(coordinator_.DeleteSet(request->set()));
+}
+
 }  // namespace cohort

@@ -23,6 +23,13 @@ class MeshServiceSkin final : public v1::MeshService::Service {
                         const v1::ListSetsRequest* request,
                         v1::ListSetsResponse* response) override;
 
+  grpc::Status RemoveMesh(grpc::ServerContext* context,
+                          const v1::RemoveMeshRequest* request,
+                          v1::RemoveMeshResponse* response) override;
+  grpc::Status DeleteSet(grpc::ServerContext* context,
+                         const v1::DeleteSetRequest* request,
+                         v1::DeleteSetResponse* response) override;
+
  private:
   absl::Status ReceiveBytes(const v1::AddMeshRequest& first,
                             grpc::ServerReader<v1::AddMeshRequest>& reader,

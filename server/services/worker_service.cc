@@ -19,7 +19,7 @@ grpc::Status WorkerServiceSkin::Synchronize(grpc::ServerContext* context,
   report.worker = WorkerId{request->worker()};
   report.build = request->build();
   for (const v1::HeldTask& held : request->held()) {
-    report.held.push_back({.lease = FromProto(held.lease()), .ticks = held.ticks()});
+    report.held.push_back(FromProto(held));
   }
   report.free_slots = request->free_slots();
   report.spare_slots = request->spare_slots();

@@ -122,7 +122,7 @@ TEST_F(CatalogMigrationTest, GoesOnInANewerVersionAndStaysThere) {
   EXPECT_EQ(catalog_->CreateJob(testing::SomeJob("faces"), {}, "", 1)->id.value, "j-000003");
   catalog_.reset();
 
-  EXPECT_EQ(UserVersion(), 2);
+  EXPECT_EQ(UserVersion(), 3);
 }
 
 }  // namespace

@@ -9,6 +9,13 @@
 
 namespace cohort {
 
+/// A task that a worker holds.
+struct RunningTask {
+  HeldTask held;
+  std::string stage;   ///< Empty: the task is no longer wanted.
+  double seconds = 0;  ///< Since it was handed out.
+};
+
 /// A worker as people see it.
 struct WorkerStatus {
   WorkerId worker;
@@ -19,8 +26,8 @@ struct WorkerStatus {
   int64_t first_seen_unix_ms = 0;
   int64_t tasks_done = 0;  ///< Results taken from it since the server started.
   int64_t tasks_failed = 0;
-  double busy_seconds = 0;     ///< What the tasks done took.
-  std::vector<HeldTask> held;  ///< As it last said.
+  double busy_seconds = 0;           ///< What the tasks done took.
+  std::vector<RunningTask> running;  ///< As it last said.
 };
 
 }  // namespace cohort
