@@ -112,6 +112,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   std::unique_ptr<Server> server(new Server());
   const std::filesystem::path data = options.data_dir;
   COHORT_ASSIGN_OR_RETURN(server->catalog_, Catalog::Open(options.CatalogLocation()));
+  COHORT_ASSIGN_OR_RETURN(FileLock lock, FileLock::Acquire(data / "blobs"));
+  server->blobs_lock_.emplace(std::move(lock));
   COHORT_ASSIGN_OR_RETURN(server->store_, DirectoryBlobStore::Create(data / "blobs"));
   COHORT_RETURN_IF_ERROR(server->store_->SweepIncoming(kOldUploadSeconds));
   CoordinatorOptions core;

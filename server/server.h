@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -11,6 +12,7 @@
 #include "common/base/clock.h"
 #include "common/store/directory_blob_store.h"
 #include "server/catalog/catalog.h"
+#include "server/catalog/file_lock.h"
 #include "server/core/coordinator.h"
 #include "server/server_options.h"
 
@@ -40,6 +42,7 @@ class Server {
 
   SystemClock clock_;
   std::unique_ptr<Catalog> catalog_;
+  std::optional<FileLock> blobs_lock_;  ///< The catalog keeps others out of itself only.
   std::unique_ptr<DirectoryBlobStore> store_;
   std::unique_ptr<Coordinator> coordinator_;
   std::unique_ptr<Services> services_;

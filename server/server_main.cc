@@ -9,6 +9,7 @@
 
 #include "common/base/process.h"
 #include "common/base/version.h"
+#include "server/catalog/backup.h"
 #include "server/server.h"
 
 namespace cohort {
@@ -33,6 +34,25 @@ int Serve(const ServerOptions& options) {
   return 0;
 }
 
+int BackUp(const ServerOptions& options, const std::string& to) {
+  const absl::Status status = BackUpCatalog(options.CatalogLocation(), to);
+  if (!status.ok()) {
+    std::cerr << "cohort-server backup: " << status.message() << "\n";
+    return absl::IsInvalidArgument(status) ? 2 : 1;
+  }
+  std::cout << "catalog " << options.CatalogLocation() << " is in " << to << "\n";
+  return 0;
+}
+
+/// What both the server and its backup need to find the catalog.
+void AddCatalogOptions(CLI::App& app, ServerOptions& options) {
+  app.add_option("--data", options.data_dir, "folder of catalog and blobs")->capture_default_str();
+  app.add_option("--catalog", options.catalog,
+                 "the catalog, if not DATA/catalog.db: a file on a local disk, or "
+                 "postgresql://USER@HOST/DATABASE (password: PGPASSWORD or ~/.pgpass), or "
+                 "\"postgresql:dbname=... host=...\"");
+}
+
 }  // namespace
 
 int ServerMain(int argc, char** argv) {
@@ -42,8 +62,7 @@ int ServerMain(int argc, char** argv) {
         "Example: cohort-server --data /var/lib/cohort --listen 0.0.0.0:7450");
     ServerOptions options;
     app.set_version_flag("--version", std::string(BuildVersion()));
-    app.add_option("--data", options.data_dir, "folder of catalog and blobs")
-        ->capture_default_str();
+    AddCatalogOptions(app, options);
     app.add_option("--listen", options.listen,
                    "address: HOST:PORT (port 0: a free one) or unix:PATH; may be repeated")
         ->capture_default_str();
@@ -57,12 +76,18 @@ int ServerMain(int argc, char** argv) {
     app.add_option("--exit-with-parent", options.exit_with_parent,
                    "end when this process (the parent) ends")
         ->group("");
+    std::string backup_file;
+    CLI::App* backup = app.add_subcommand(
+        "backup",
+        "copies the catalog into a new file, also while a server uses it; then copy DATA/blobs");
+    AddCatalogOptions(*backup, options);
+    backup->add_option("--to", backup_file, "the new file; never overwritten")->required();
     try {
       app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
       return app.exit(error) == 0 ? 0 : 2;
     }
-    return Serve(options);
+    return backup->parsed() ? BackUp(options, backup_file) : Serve(options);
   } catch (const std::exception& error) {
     std::cerr << "cohort-server: " << error.what() << "\n";
     return 1;

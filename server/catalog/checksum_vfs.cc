@@ -2,7 +2,7 @@
 
 #include <sqlite3.h>
 
-#include <array>
+#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -41,6 +41,16 @@ const sqlite3_io_methods& Methods(sqlite3_file* file) {
 }
 sqlite3_vfs* DefaultVfs() {
   return sqlite3_vfs_find(nullptr);
+}
+
+/// Runs an operation that may need space; SQLITE_FULL if there is none. SQLite says so of a write
+/// only, and calls a file that cannot be extended or synced for want of space an I/O error.
+template <typename Operation>
+int OrFull(const Operation& operation) {
+  errno = 0;
+  const int result = operation();
+  const bool no_space = errno == ENOSPC || errno == EDQUOT;
+  return (result & 0xff) == SQLITE_IOERR && no_space ? SQLITE_FULL : result;
 }
 
 std::string ChecksumOf(std::string_view content, int64_t number) {
@@ -82,14 +92,14 @@ int Write(sqlite3_file* file, const void* bytes, int size, sqlite3_int64 offset)
     ours.page += ChecksumOf(ours.page, offset / size + 1);
     bytes = ours.page.data();
   }
-  return ours.inner->pMethods->xWrite(ours.inner, bytes, size, offset);
+  return OrFull([&] { return ours.inner->pMethods->xWrite(ours.inner, bytes, size, offset); });
 }
 
 int Truncate(sqlite3_file* file, sqlite3_int64 size) {
-  return Methods(file).xTruncate(Inner(file), size);
+  return OrFull([&] { return Methods(file).xTruncate(Inner(file), size); });
 }
 int Sync(sqlite3_file* file, int flags) {
-  return Methods(file).xSync(Inner(file), flags);
+  return OrFull([&] { return Methods(file).xSync(Inner(file), flags); });
 }
 int FileSize(sqlite3_file* file, sqlite3_int64* size) {
   return Methods(file).xFileSize(Inner(file), size);
@@ -113,7 +123,7 @@ int DeviceCharacteristics(sqlite3_file* file) {
   return Methods(file).xDeviceCharacteristics(Inner(file));
 }
 int ShmMap(sqlite3_file* file, int region, int size, int extend, void volatile** memory) {
-  return Methods(file).xShmMap(Inner(file), region, size, extend, memory);
+  return OrFull([&] { return Methods(file).xShmMap(Inner(file), region, size, extend, memory); });
 }
 int ShmLock(sqlite3_file* file, int offset, int count, int flags) {
   return Methods(file).xShmLock(Inner(file), offset, count, flags);

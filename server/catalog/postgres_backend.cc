@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kPrefixes = {"postgresql:", "postgres:"};
 
+constexpr int kLockAttempts = 40;  ///< 2 seconds.
+
 /// What we ask of a connection unless the location says otherwise: nothing waits for ever on a
 /// server that is gone.
 const std::map<std::string, std::string>& ConnectionDefaults() {
@@ -151,11 +153,15 @@ absl::Status PostgresBackend::CheckServer(soci::session& session) const {
 }
 
 absl::Status PostgresBackend::TakeLock(soci::session& session) const {
-  // Advisory locks are a database's own, so a constant will do: 'COHT'.
-  const int64_t locked = SelectNumber(
-      session, "SELECT CASE WHEN pg_try_advisory_lock(1129269332, 1) THEN 1 ELSE 0 END");
-  if (locked == 1) {
-    return absl::OkStatus();
+  for (int attempt = 0; attempt < kLockAttempts; ++attempt) {
+    // Advisory locks are a database's own, so a constant will do: 'COHT'.
+    const int64_t locked = SelectNumber(
+        session, "SELECT CASE WHEN pg_try_advisory_lock(1129269332, 1) THEN 1 ELSE 0 END");
+    if (locked == 1) {
+      return absl::OkStatus();
+    }
+    // The session of a server that was killed ends a moment after it.
+    session << "SELECT pg_sleep(0.05)";
   }
   if (mark_.empty() || AnotherServerWasHere(session)) {
     return absl::FailedPreconditionError("another cohort-server uses " + name_);

@@ -1,5 +1,6 @@
 #include "server/catalog/sqlite_backend.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 
@@ -12,7 +13,6 @@
 namespace cohort {
 namespace {
 
-constexpr int64_t kApplicationId = 0x434F4854;  // "COHT", shown by file(1)
 /// From this version on, every catalog has checksums: the file was written by a build that adds
 /// them, so one without has lost them.
 constexpr int64_t kChecksumsSinceVersion = 2;
@@ -71,7 +71,7 @@ absl::Status SqliteBackend::CheckFile(soci::session& session) const {
   const int64_t application_id = SelectNumber(session, "PRAGMA application_id");
   const int64_t objects = SelectNumber(session, "SELECT COUNT(*) FROM sqlite_master");
   const bool is_new = application_id == 0 && Version(session) == 0 && objects == 0;
-  if (!is_new && application_id != kApplicationId) {
+  if (!is_new && application_id != kSqliteApplicationId) {
     return absl::DataLossError(file_ + ": a database, but not a catalog of Cohort");
   }
   // SQLite opens a file that it may not write without a word: found here, not by the first job.
@@ -81,8 +81,7 @@ absl::Status SqliteBackend::CheckFile(soci::session& session) const {
   // Reads every page that holds something, and so verifies its checksum.
   const std::string problem = SelectText(session, "PRAGMA quick_check(1)");
   if (problem != "ok") {
-    const std::string page = TakePageDamage();
-    return absl::DataLossError(file_ + ": damaged: " + problem + (page.empty() ? "" : "; " + page));
+    return SqliteStatus(file_, SQLITE_CORRUPT, "damaged: " + problem);
   }
   return absl::OkStatus();
 }
@@ -132,7 +131,7 @@ absl::Status SqliteBackend::AddChecksums(soci::session& session) const {
 }
 
 void SqliteBackend::SetVersion(soci::session& session, int64_t version) {
-  session << "PRAGMA application_id = " + std::to_string(kApplicationId);
+  session << "PRAGMA application_id = " + std::to_string(kSqliteApplicationId);
   session << "PRAGMA user_version = " + std::to_string(version);
 }
 
@@ -146,13 +145,15 @@ absl::Status SqliteBackend::ToStatus(const soci::soci_error& error) const {
   if (const size_t end = reason.find(": "); reason.starts_with("sqlite3_") && end != reason.npos) {
     reason.erase(0, end + 2);
   }
-  if (const std::string page = TakePageDamage(); !page.empty()) {
-    reason += "; " + page;
-  }
-  const std::string message = file_ + ": " + reason;
   const auto* sqlite = dynamic_cast<const soci::sqlite3_soci_error*>(&error);
-  switch (sqlite == nullptr ? SQLITE_ERROR
-                            : sqlite->result() & 0xff) {  // The rest says more of it.
+  return SqliteStatus(file_, sqlite == nullptr ? SQLITE_ERROR : sqlite->result(), reason);
+}
+
+absl::Status SqliteStatus(const std::string& file, int result, const std::string& reason) {
+  const std::string page = TakePageDamage();
+  std::string message = file + ": " + reason + (page.empty() ? "" : "; " + page);
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  switch (result & 0xff) {  // The other bytes say more of it.
     case SQLITE_FULL:
       return absl::ResourceExhaustedError(message);
     case SQLITE_CORRUPT:

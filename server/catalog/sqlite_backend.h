@@ -11,6 +11,13 @@
 
 namespace cohort {
 
+inline constexpr int64_t kSqliteApplicationId = 0x434F4854;  ///< "COHT", shown by file(1).
+
+/// "<file>: <reason>" with the code that a result of SQLite asks for; tells which page is damaged.
+[[nodiscard]] absl::Status SqliteStatus(const std::string& file,
+                                        int result,
+                                        const std::string& reason);
+
 /// A file: SQLite with a write-ahead log, synchronous=FULL, and a checksum in each page
 /// (checksum_vfs.h). Held by one server: a lock file beside it.
 class SqliteBackend : public DatabaseBackend {

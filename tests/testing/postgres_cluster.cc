@@ -121,7 +121,8 @@ pid_t PostgresCluster::Spawn(const std::vector<std::string>& arguments) const {
 
 void PostgresCluster::Start() {
   server_ = Spawn({"postgres", "-D", Data(), "-k", folder_, "-c", "listen_addresses=", "-c",
-                   "shared_buffers=16MB", "-c", "max_connections=20", "-c", "autovacuum=off"});
+                   "shared_buffers=16MB", "-c", "max_connections=20", "-c", "autovacuum=off", "-c",
+                   "recovery_init_sync_method=syncfs"});
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(kStartSeconds);
   while (PQping(Connection("postgres").c_str()) != PQPING_OK) {
     if (std::chrono::steady_clock::now() > deadline) {
@@ -151,6 +152,13 @@ std::string PostgresCluster::CreateDatabase(const std::string& options) {
   name += std::to_string(++databases_);
   Run("CREATE DATABASE " + name + " " + options);
   return "postgresql:" + Connection(name);
+}
+
+std::string PostgresCluster::CreateSchema() {
+  std::string name("s");
+  name += std::to_string(++schemas_);
+  Run("CREATE SCHEMA " + name);
+  return "postgresql:" + Connection("postgres") + " options=-csearch_path=" + name;
 }
 
 std::string PostgresCluster::Run(const std::string& sql, const std::string& location) const {

@@ -27,6 +27,9 @@ class PostgresCluster {
   /// Creates an empty database. @param options  of CREATE DATABASE, e.g. "TABLESPACE small".
   /// @return its location as Catalog::Open takes it.
   std::string CreateDatabase(const std::string& options = "");
+  /// Creates an empty schema, much faster, in a database that all of them share. A server's lock is
+  /// on the database: only one such catalog can be open at a time.
+  std::string CreateSchema();
   /// Runs SQL in a database by its location, or in "postgres" if that is empty; aborts if it fails.
   /// @return the first column of the first row, if there is one.
   std::string Run(const std::string& sql, const std::string& location = "") const;
@@ -54,6 +57,7 @@ class PostgresCluster {
   gid_t group_;
   pid_t server_ = -1;
   int databases_ = 0;
+  int schemas_ = 0;
 };
 
 }  // namespace cohort::testing

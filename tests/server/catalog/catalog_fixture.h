@@ -124,7 +124,7 @@ class CatalogTest : public ::testing::TestWithParam<DatabaseKind> {
     if (GetParam() == DatabaseKind::kSqlite) {
       location_ = folder_.Path() / "catalog.db";
     } else if (PostgresCluster& cluster = PostgresCluster::Shared(); cluster.Missing().empty()) {
-      location_ = cluster.CreateDatabase();
+      location_ = cluster.CreateSchema();
     } else {
       GTEST_SKIP() << cluster.Missing();
     }
