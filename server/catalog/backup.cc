@@ -9,7 +9,6 @@
 #include <system_error>
 
 #include "common/base/status_macros.h"
-#include "common/store/posix_file.h"
 #include "server/catalog/checksum_vfs.h"
 #include "server/catalog/postgres_backend.h"
 #include "server/catalog/publish_file.h"
@@ -99,9 +98,11 @@ absl::Status BackUpCatalog(const std::string& location, const std::filesystem::p
   }
   // Of this process alone: SQLite takes an empty file for one that is not there.
   std::string aside = to.string() + ".XXXXXX";
-  if (const FileDescriptor created(::mkstemp(aside.data())); created.Get() < 0) {
-    return ErrnoStatus(errno, "create", to);
+  const int created = ::mkstemp(aside.data());
+  if (created < 0) {
+    return absl::ErrnoToStatus(errno, to.string() + ": cannot create");
   }
+  ::close(created);
   absl::Status status = CopyInto(location, aside);
   if (status.ok()) {
     status = PublishFile(aside, to, ExistingFile::kRefuse);

@@ -15,7 +15,7 @@ namespace cohort {
 /// @param to  the new file; an existing one is never overwritten.
 /// @return kNotFound if there is no catalog; kAlreadyExists; kInvalidArgument for PostgreSQL, whose
 ///         own tools do this, naming them; kDataLoss if the catalog is damaged or not ours; else as
-///         Catalog's.
+///         Catalog's, or as absl::ErrnoToStatus for `to`.
 [[nodiscard]] absl::Status BackUpCatalog(const std::string& location,
                                          const std::filesystem::path& to);
 

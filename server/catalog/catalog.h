@@ -65,6 +65,7 @@ struct Completion {
 /// (each page has a checksum, verified when it is read), else kUnavailable; after that the next
 /// call connects again. An error of a call that writes means that nothing was written, except that
 /// one during the commit itself may leave all of it written.
+/// Texts are UTF-8 without NUL: PostgreSQL keeps no others.
 /// Thread-safe: calls take turns.
 class Catalog {
  public:

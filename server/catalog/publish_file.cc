@@ -5,27 +5,41 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <string>
 
 #include "common/base/status_macros.h"
-#include "common/store/posix_file.h"
 
 namespace cohort {
 namespace {
+
+absl::Status Failed(const std::filesystem::path& path, const char* action) {
+  return absl::ErrnoToStatus(errno, path.string() + ": cannot " + action);
+}
+
+/// Makes a file's bytes, or a folder's names, durable.
+absl::Status Sync(const std::filesystem::path& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) {
+    return Failed(path, "open");
+  }
+  const absl::Status status = ::fsync(fd) == 0 ? absl::OkStatus() : Failed(path, "sync");
+  ::close(fd);
+  return status;
+}
 
 absl::Status Rename(const std::filesystem::path& aside,
                     const std::filesystem::path& path,
                     ExistingFile existing) {
   if (existing == ExistingFile::kReplace) {
-    return ::rename(aside.c_str(), path.c_str()) == 0 ? absl::OkStatus()
-                                                      : ErrnoStatus(errno, "replace", path);
+    return ::rename(aside.c_str(), path.c_str()) == 0 ? absl::OkStatus() : Failed(path, "replace");
   }
   // A second name and no first one, because rename(2) would take the name from another file.
   if (::link(aside.c_str(), path.c_str()) != 0) {
     return errno == EEXIST
                ? absl::AlreadyExistsError(path.string() + ": is there already, not overwritten")
-               : ErrnoStatus(errno, "create", path);
+               : Failed(path, "create");
   }
-  return ::unlink(aside.c_str()) == 0 ? absl::OkStatus() : ErrnoStatus(errno, "remove", aside);
+  return ::unlink(aside.c_str()) == 0 ? absl::OkStatus() : Failed(aside, "remove");
 }
 
 }  // namespace
@@ -33,12 +47,9 @@ absl::Status Rename(const std::filesystem::path& aside,
 absl::Status PublishFile(const std::filesystem::path& aside,
                          const std::filesystem::path& path,
                          ExistingFile existing) {
-  COHORT_ASSIGN_OR_RETURN(const FileDescriptor file, OpenFile(aside, O_RDONLY));
-  if (::fsync(file.Get()) != 0) {
-    return ErrnoStatus(errno, "sync", aside);
-  }
+  COHORT_RETURN_IF_ERROR(Sync(aside));
   COHORT_RETURN_IF_ERROR(Rename(aside, path, existing));
-  return SyncFolder(std::filesystem::absolute(path).parent_path());
+  return Sync(std::filesystem::absolute(path).parent_path());
 }
 
 }  // namespace cohort

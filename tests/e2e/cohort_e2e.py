@@ -320,6 +320,27 @@ class EndToEnd(ProgramTest):
 
     # ---- bad input: one clear line, a non-zero exit, nothing else lost
 
+    def test_a_backup_of_a_server_at_work_is_a_catalog(self):
+        data, copy = self.dir / "data", self.dir / "copy.db"
+        server, (address,) = self.start_server("127.0.0.1:0", data=data)
+        cohort("add", self.demo, "--set", "demo", "--server", address)
+        job = cohort("submit", "--set", "demo", "--server", address).stdout.strip()
+        backup = [BIN / "cohort-server", "backup", "--data", data, "--to", copy]
+        made = subprocess.run(backup, capture_output=True, text=True)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        again = subprocess.run(backup, capture_output=True, text=True)
+        self.assertEqual(again.returncode, 1)
+        self.assertIn(f"{copy}: is there already", again.stderr)
+        server.terminate()
+        server.wait()
+        restored = self.dir / "restored"
+        shutil.copytree(data / "blobs", restored / "blobs")
+        shutil.copy(copy, restored / "catalog.db")
+        _, (address,) = self.start_server("127.0.0.1:0", data=restored)
+        self.start("cohort-worker", "--server", address, "--threads", 1)
+        watched = cohort("watch", job, "--server", address)
+        self.assertEqual(watched.returncode, 0, watched.stderr)
+
     def test_folders_without_meshes(self):
         empty = self.dir / "empty"
         empty.mkdir()

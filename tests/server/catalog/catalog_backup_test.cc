@@ -136,7 +136,7 @@ TEST_F(CatalogBackupTest, SaysWhatIsNotThereAndCreatesNothing) {
               StatusIs(absl::StatusCode::kNotFound, "none.db"));
   EXPECT_FALSE(fs::exists(folder_.Path() / "none.db"));
   EXPECT_THAT(BackUpCatalog(File(), folder_.Path() / "none" / "copy.db"),
-              StatusIs(absl::StatusCode::kUnavailable, "none/copy.db"));
+              StatusIs(absl::StatusCode::kNotFound, "none/copy.db"));
   EXPECT_THAT(BackUpCatalog("postgresql://host/cohort", Copy()),
               StatusIs(absl::StatusCode::kInvalidArgument, "pg_dump"));
   EXPECT_EQ(LeftOvers(), 0);

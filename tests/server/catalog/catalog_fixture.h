@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -91,6 +93,27 @@ inline absl::StatusOr<std::vector<TaskRecord>> LoadTasks(Catalog& catalog, const
   return records;
 }
 
+/// Runs SQL on a file of SQLite, without a catalog.
+/// @param vfs  SQLite's default leaves the pages that it writes without checksums.
+inline void RunSql(const std::string& file, const std::string& sql, const char* vfs = "unix") {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(
+      sqlite3_open_v2(file.c_str(), &database, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, vfs),
+      SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
+      << sqlite3_errmsg(database);
+  sqlite3_close(database);
+}
+
+/// Makes `file` a catalog of version 1, without checksums, as the first build wrote it.
+inline void MakeFirstCatalog(const std::string& file) {
+  std::ifstream stream(COHORT_SOURCE_DIR "/tests/server/catalog/first_catalog.sql");
+  std::ostringstream sql;
+  sql << stream.rdbuf();
+  ASSERT_GT(sql.str().size(), 1'000u);
+  RunSql(file, sql.str());
+}
+
 /// A catalog in a file in a folder of its own.
 class FileCatalogTest : public ::testing::Test {
  protected:
@@ -100,16 +123,7 @@ class FileCatalogTest : public ::testing::Test {
     catalog_ = Catalog::Open(File()).value();
   }
   /// Runs SQL on the closed catalog behind its back.
-  /// @param vfs  SQLite's default would leave the pages that it writes without checksums.
-  void Tamper(const std::string& sql, const char* vfs = kChecksumVfs) const {
-    sqlite3* database = nullptr;
-    ASSERT_EQ(
-        sqlite3_open_v2(File().c_str(), &database, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, vfs),
-        SQLITE_OK);
-    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
-        << sqlite3_errmsg(database);
-    sqlite3_close(database);
-  }
+  void Tamper(const std::string& sql) const { RunSql(File(), sql, kChecksumVfs); }
 
   ScratchFolder folder_;
   std::unique_ptr<Catalog> catalog_ = Catalog::Open(File()).value();

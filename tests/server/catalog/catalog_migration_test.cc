@@ -1,7 +1,6 @@
 // A catalog of the first build, row by row as that build wrote it, opened by this one.
 
-#include <fstream>
-#include <sstream>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -26,11 +25,7 @@ class CatalogMigrationTest : public FileCatalogTest {
   void StartWithTheFirstCatalog() {
     catalog_.reset();
     std::filesystem::remove(File());
-    std::ifstream stream(COHORT_SOURCE_DIR "/tests/server/catalog/first_catalog.sql");
-    std::ostringstream sql;
-    sql << stream.rdbuf();
-    ASSERT_GT(sql.str().size(), 1'000u);
-    Tamper(sql.str(), "unix");
+    testing::MakeFirstCatalog(File());
     ASSERT_EQ(UserVersion(), 1);
   }
 

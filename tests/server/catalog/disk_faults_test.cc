@@ -83,6 +83,7 @@ namespace {
 
 using testing::DiskFaults;
 using testing::IsOk;
+using testing::MakeFirstCatalog;
 using testing::ScratchFolder;
 using testing::SmallDisk;
 using testing::SomeJob;
@@ -193,6 +194,27 @@ TEST_P(DiskFaultsTest, LoseNothingAcknowledgedWhicheverOperationFails) {
   EXPECT_FALSE(HasFailure()) << "operation " << number;
   EXPECT_GT(number, 40);  // Else the faults do not reach SQLite.
   RecordProperty("operations", number);
+}
+
+TEST_P(DiskFaultsTest, LoseNothingOfAnOlderCatalogWhicheverOperationFails) {
+  bool has_failed = true;
+  int number = 0;
+  for (; has_failed && !HasFailure(); ++number) {
+    MakeFirstCatalog(File(number));
+    {
+      const DiskFaults faults(number, GetParam().which, GetParam().error_number);
+      const absl::Status status = Catalog::Open(File(number)).status();
+      has_failed = faults.Failed() > 0;
+      EXPECT_TRUE(has_failed || status.ok()) << status;
+    }
+    const auto catalog = Catalog::Open(File(number));
+    ASSERT_THAT(catalog, IsOk());
+    EXPECT_EQ((*catalog)->ListMeshes("faces", 9, "")->items.size(), 2u);
+    EXPECT_EQ((*catalog)->LoadTasks({"j-000001"})->size(), 2u);
+    EXPECT_THAT((*catalog)->FindActions({"k"}), IsOk());
+  }
+  EXPECT_FALSE(HasFailure()) << "operation " << number;
+  EXPECT_GT(number, 20);
 }
 
 INSTANTIATE_TEST_SUITE_P(
