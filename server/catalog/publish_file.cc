@@ -22,7 +22,7 @@ absl::Status Sync(const std::filesystem::path& path) {
   if (fd < 0) {
     return Failed(path, "open");
   }
-  const absl::Status status = ::fsync(fd) == 0 ? absl::OkStatus() : Failed(path, "sync");
+  absl::Status status = ::fsync(fd) == 0 ? absl::OkStatus() : Failed(path, "sync");
   ::close(fd);
   return status;
 }

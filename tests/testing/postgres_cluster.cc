@@ -161,7 +161,11 @@ std::string PostgresCluster::CreateSchema() {
   return "postgresql:" + Connection("postgres") + " options=-csearch_path=" + name;
 }
 
-std::string PostgresCluster::Run(const std::string& sql, const std::string& location) const {
+void PostgresCluster::Run(const std::string& sql, const std::string& location) const {
+  static_cast<void>(Ask(sql, location));
+}
+
+std::string PostgresCluster::Ask(const std::string& sql, const std::string& location) const {
   const std::string where =
       location.empty() ? Connection("postgres") : location.substr(location.find(':') + 1);
   const Connected connection(PQconnectdb(where.c_str()), &PQfinish);

@@ -31,8 +31,9 @@ class PostgresCluster {
   /// on the database: only one such catalog can be open at a time.
   std::string CreateSchema();
   /// Runs SQL in a database by its location, or in "postgres" if that is empty; aborts if it fails.
-  /// @return the first column of the first row, if there is one.
-  std::string Run(const std::string& sql, const std::string& location = "") const;
+  void Run(const std::string& sql, const std::string& location = "") const;
+  /// The same. @return the first column of the first row; empty if there is none.
+  [[nodiscard]] std::string Ask(const std::string& sql, const std::string& location = "") const;
 
   /// Kills the server as a crash would, and starts it again.
   void Crash();

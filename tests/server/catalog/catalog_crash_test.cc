@@ -130,6 +130,7 @@ class CatalogCrashTest : public CatalogTest {
       const size_t tasks = catalog_->LoadTasks({found->second})->size();
       ASSERT_TRUE(tasks == kTasks || (tasks == 0 && number >= tasks_)) << number << ": " << tasks;
       std::vector<std::string> keys;
+      keys.reserve(kTasks);
       for (int task = 0; task < kTasks; ++task) {
         keys.push_back(RequestOf(number) + " " + std::to_string(task));
       }

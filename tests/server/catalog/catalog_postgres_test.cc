@@ -124,12 +124,12 @@ TEST_F(PostgreSQLTest, RefusesANewerVersionUnchanged) {
   catalog_.reset();
   cluster_.Run("UPDATE cohort_meta SET value = '1000' WHERE name = 'version'", location_);
   const std::string owner =
-      cluster_.Run("SELECT value FROM cohort_meta WHERE name = 'owner'", location_);
+      cluster_.Ask("SELECT value FROM cohort_meta WHERE name = 'owner'", location_);
 
   EXPECT_THAT(Catalog::Open(location_),
               StatusIs(absl::StatusCode::kFailedPrecondition, "has version 1000"));
 
-  EXPECT_EQ(cluster_.Run("SELECT value FROM cohort_meta WHERE name = 'owner'", location_), owner);
+  EXPECT_EQ(cluster_.Ask("SELECT value FROM cohort_meta WHERE name = 'owner'", location_), owner);
 }
 
 TEST_F(PostgreSQLTest, TakesAnOlderVersionFurther) {
@@ -142,7 +142,7 @@ TEST_F(PostgreSQLTest, TakesAnOlderVersionFurther) {
 
   EXPECT_THAT(catalog_->FindActions({"k"}), IsOk());
   EXPECT_EQ(catalog_->ListMeshes("s", 9, "")->items.size(), 1u);
-  EXPECT_EQ(cluster_.Run("SELECT value FROM cohort_meta WHERE name = 'version'", location_), "2");
+  EXPECT_EQ(cluster_.Ask("SELECT value FROM cohort_meta WHERE name = 'version'", location_), "2");
 }
 
 TEST_F(PostgreSQLTest, RefusesADatabaseOfAnotherProgram) {
@@ -151,7 +151,7 @@ TEST_F(PostgreSQLTest, RefusesADatabaseOfAnotherProgram) {
 
   EXPECT_THAT(Catalog::Open(other), StatusIs(absl::StatusCode::kDataLoss, "not a catalog"));
 
-  EXPECT_EQ(cluster_.Run("SELECT COUNT(*) FROM pg_tables WHERE schemaname = 'public'", other), "1");
+  EXPECT_EQ(cluster_.Ask("SELECT COUNT(*) FROM pg_tables WHERE schemaname = 'public'", other), "1");
 }
 
 TEST_F(PostgreSQLTest, RefusesAnEncodingThatCannotHoldAllNames) {
@@ -225,7 +225,7 @@ TEST_F(PostgreSQLTest, TellsAFlippedBitInATable) {
   ASSERT_THAT(catalog_->AddMesh("s", SomeMesh("findme")), IsOk());
   catalog_.reset();
   const fs::path table =
-      cluster_.Data() / cluster_.Run("SELECT pg_relation_filepath('mesh')", location_);
+      cluster_.Data() / cluster_.Ask("SELECT pg_relation_filepath('mesh')", location_);
   cluster_.Stop(SIGINT);  // In order, with a checkpoint.
   std::ifstream stream(table, std::ios::binary);
   std::ostringstream content;

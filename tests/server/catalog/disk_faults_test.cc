@@ -62,7 +62,8 @@ int DiskFaults::Failed() const {
 }  // namespace testing
 }  // namespace cohort
 
-// Found by the dynamic linker before the C library's.
+// Found by the dynamic linker before the C library's, whose headers name parameters __fd.
+// NOLINTBEGIN(readability-inconsistent-declaration-parameter-name)
 extern "C" {
 int fdatasync(int fd) {
   return cohort::Fails() ? -1 : static_cast<int>(syscall(SYS_fdatasync, fd));
@@ -77,6 +78,7 @@ int ftruncate64(int fd, off64_t size) noexcept {
   return cohort::Fails() ? -1 : static_cast<int>(syscall(SYS_ftruncate, fd, size));
 }
 }
+// NOLINTEND(readability-inconsistent-declaration-parameter-name)
 
 namespace cohort {
 namespace {
