@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 
 using testing::FileCatalogTest;
 using testing::IsOk;
+using testing::LoadTasks;
 using testing::SmallDisk;
 using testing::SomeJob;
 using testing::SomeMesh;
@@ -75,7 +76,7 @@ TEST_F(CatalogBackupTest, HoldsEveryRowAcknowledgedBeforeItBegan) {
     }
     const std::unique_ptr<Catalog>& restored = *opened;
     const size_t meshes = restored->ListMeshes("s", 1'000'000, "").value().items.size();
-    const size_t tasks = restored->LoadTasks(job.id).value().size();
+    const size_t tasks = LoadTasks(*restored, job.id).value().size();
     EXPECT_GE(tasks, static_cast<size_t>(before));
     // Of one moment: the mesh of a task is always there before it.
     EXPECT_TRUE(meshes == tasks || meshes == tasks + 1) << meshes << " meshes, " << tasks;

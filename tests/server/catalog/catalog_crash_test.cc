@@ -28,6 +28,7 @@ using testing::DatabaseKind;
 using testing::DatabaseName;
 using testing::EachDatabase;
 using testing::IsOk;
+using testing::LoadTasks;
 using testing::PostgresCluster;
 using testing::SomeJob;
 using testing::SomeMesh;
@@ -127,7 +128,7 @@ class CatalogCrashTest : public CatalogTest {
       const auto found = jobs.find(RequestOf(number));
       ASSERT_NE(found, jobs.end()) << number;
       ASSERT_EQ(catalog_->GetJobMeshes({found->second})->size(), 2u);
-      const size_t tasks = catalog_->LoadTasks({found->second})->size();
+      const size_t tasks = LoadTasks(*catalog_, {found->second})->size();
       ASSERT_TRUE(tasks == kTasks || (tasks == 0 && number >= tasks_)) << number << ": " << tasks;
       std::vector<std::string> keys;
       keys.reserve(kTasks);

@@ -85,6 +85,7 @@ namespace {
 
 using testing::DiskFaults;
 using testing::IsOk;
+using testing::LoadTasks;
 using testing::MakeFirstCatalog;
 using testing::ScratchFolder;
 using testing::SmallDisk;
@@ -212,7 +213,7 @@ TEST_P(DiskFaultsTest, LoseNothingOfAnOlderCatalogWhicheverOperationFails) {
     const auto catalog = Catalog::Open(File(number));
     ASSERT_THAT(catalog, IsOk());
     EXPECT_EQ((*catalog)->ListMeshes("faces", 9, "")->items.size(), 2u);
-    EXPECT_EQ((*catalog)->LoadTasks({"j-000001"})->size(), 2u);
+    EXPECT_EQ(LoadTasks(**catalog, {"j-000001"})->size(), 2u);
     EXPECT_THAT((*catalog)->FindActions({"k"}), IsOk());
   }
   EXPECT_FALSE(HasFailure()) << "operation " << number;
