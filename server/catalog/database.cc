@@ -52,7 +52,7 @@ absl::Status Database::Connect() {
     return absl::OkStatus();
   }
   const auto open = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return OpenSession(); };
-  const absl::Status status = Catch(open);
+  absl::Status status = Catch(open);
   is_open_ = status.ok();
   if (!is_open_) {
     session_.close();

@@ -95,6 +95,7 @@ pid_t PostgresCluster::Spawn(const std::vector<std::string>& arguments) const {
   std::vector<std::string> words = arguments;
   words[0] = programs_ / words[0];
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) {
     argv.push_back(word.data());
   }

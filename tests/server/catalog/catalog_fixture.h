@@ -75,6 +75,7 @@ inline absl::Status SaveTasks(Catalog& catalog,
                               const JobId& job,
                               const std::vector<TaskRecord>& records) {
   std::vector<JobTask> tasks;
+  tasks.reserve(records.size());
   for (const TaskRecord& record : records) {
     tasks.push_back({.job = job, .task = record});
   }

@@ -28,7 +28,6 @@ namespace fs = std::filesystem;
 using testing::IsOk;
 using testing::PostgresCluster;
 using testing::SmallDisk;
-using testing::SomeJob;
 using testing::SomeMesh;
 using testing::StatusIs;
 
