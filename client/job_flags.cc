@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <absl/strings/numbers.h>
+#include <nlohmann/json.hpp>
 
 #include "common/base/status_macros.h"
 
@@ -174,6 +175,11 @@ void JobFlags::AddComparisonOptionsTo(CLI::App& command) {
                 "before the comparison, a quick matrix: RMS over corresponding points of the mean "
                 "shape; never in place of the exact one")
       ->group(group);
+  command
+      .add_option("--reference", reference,
+                  "a finished job: its frame, options and pairs are kept, only meshes that it does "
+                  "not have are aligned and compared")
+      ->group("Job");
   command.add_flag("--fresh", fresh, "compute everything, also what is known from earlier jobs")
       ->group("Job");
   command
@@ -251,6 +257,23 @@ absl::Status JobFlags::SetComparison(JobSpec& spec) const {
   return absl::OkStatus();
 }
 
+absl::Status JobFlags::KeepReference(JobSpec& spec) const {
+  JobSpec expected;
+  expected.metric = spec.metric;
+  expected.symmetrization = spec.symmetrization;
+  expected.neighbours = spec.neighbours;
+  expected.priority = spec.priority;
+  expected.fresh = spec.fresh;
+  if (ToJson(spec) != ToJson(expected)) {
+    return absl::InvalidArgumentError(
+        "--reference " + reference +
+        " keeps the options of that job: leave out all but --metric, --symmetrize, --neighbours, "
+        "--priority and --fresh");
+  }
+  spec.reference_job = reference;
+  return absl::OkStatus();
+}
+
 absl::StatusOr<JobSpec> JobFlags::ToSpec() const {
   const std::optional<Method> parsed_method = MethodFromName(method);
   if (!parsed_method) {
@@ -279,6 +302,9 @@ absl::StatusOr<JobSpec> JobFlags::ToSpec() const {
   SetIfGiven(position_bits, spec.position_bits);
   SetIfGiven(size_ratio_limit, spec.size_ratio_limit);
   spec.symmetric_copies = symmetric_copies;
+  if (!reference.empty()) {
+    COHORT_RETURN_IF_ERROR(KeepReference(spec));
+  }
   JobSpec complete = spec;
   if (UsesLandmarks()) {
     complete.landmarks = Sha256::Of("");  // Stands for those that are read once all else is right.

@@ -37,6 +37,7 @@ struct JobFlags {
   std::optional<double> retention_budget_gb;
   bool preview = false;
   bool fresh = false;
+  std::string reference;
   int priority = 0;
   bool signed_distances = false;
   std::optional<std::string> metric;
@@ -57,6 +58,8 @@ struct JobFlags {
   absl::Status SetPose(JobSpec& spec) const;
   absl::Status SetAlignment(JobSpec& spec) const;
   absl::Status SetComparison(JobSpec& spec) const;
+  /// @return kInvalidArgument if options are given that the reference job has decided.
+  absl::Status KeepReference(JobSpec& spec) const;
 };
 
 }  // namespace cohort

@@ -154,6 +154,7 @@ nlohmann::json ToJson(const JobSpec& spec) {
           {"preview", spec.preview},
           {"priority", spec.priority},
           {"fresh", spec.fresh},
+          {"reference_job", spec.reference_job},
           {"metric", MetricName(spec.metric)},
           {"symmetrization", SymmetrizationName(spec.symmetrization)},
           {"neighbours", spec.neighbours},
@@ -215,6 +216,7 @@ absl::StatusOr<JobSpec> JobSpecFromJson(const nlohmann::json& json) {
   fields.Read("preview", spec.preview);
   fields.Read("priority", spec.priority);
   fields.Read("fresh", spec.fresh);
+  fields.Read("reference_job", spec.reference_job);
   fields.ReadName("metric", MetricFromName, spec.metric);
   fields.ReadName("symmetrization", SymmetrizationFromName, spec.symmetrization);
   fields.Read("neighbours", spec.neighbours);

@@ -91,6 +91,8 @@ struct JobSpec {
   bool preview = false;
   /// Jobs of a higher one are served first; no part of what the results are. Within +-100.
   int priority = 0;
+  /// A job of the same server whose frame, options and pairs this one keeps; empty: none.
+  std::string reference_job;
   /// Computes everything, also what is known from earlier jobs.
   bool fresh = false;
   Metric metric = Metric::kRms;

@@ -52,12 +52,25 @@ std::optional<JobState> JobStateFromName(std::string_view name) {
 }
 
 nlohmann::json ToJson(const JobOutputs& outputs) {
+  nlohmann::json imported = nlohmann::json::array();
+  for (const ImportedPairs& pairs : outputs.imported) {
+    imported.push_back({{"tiles", ToJson(pairs.tiles)},
+                        {"fields", ToJson(pairs.fields)},
+                        {"mesh_of", pairs.mesh_of}});
+  }
   return {
-      {"tiles", ToJson(outputs.tiles)},         {"alignments", ToJson(outputs.alignments)},
-      {"mean_shape", outputs.mean_shape.Hex()}, {"summary", outputs.summary.Hex()},
-      {"fields", ToJson(outputs.fields)},       {"base_choice", outputs.base_choice.Hex()},
-      {"preview", ToJson(outputs.preview)},     {"variation_shape", outputs.variation_shape.Hex()},
-      {"poses", ToJson(outputs.poses)}};
+      {"tiles", ToJson(outputs.tiles)},
+      {"alignments", ToJson(outputs.alignments)},
+      {"mean_shape", outputs.mean_shape.Hex()},
+      {"summary", outputs.summary.Hex()},
+      {"fields", ToJson(outputs.fields)},
+      {"base_choice", outputs.base_choice.Hex()},
+      {"preview", ToJson(outputs.preview)},
+      {"variation_shape", outputs.variation_shape.Hex()},
+      {"poses", ToJson(outputs.poses)},
+      {"frame", {{"reference", outputs.frame.reference.Hex()}, {"center", outputs.frame.center}}},
+      {"imported", std::move(imported)},
+  };
 }
 
 absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
@@ -72,6 +85,16 @@ absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
   fields.Read("preview", outputs.preview);
   fields.Read("variation_shape", outputs.variation_shape);
   fields.Read("poses", outputs.poses);
+  fields.ReadObject("frame", [&outputs](JsonFields& frame) {
+    frame.Read("reference", outputs.frame.reference);
+    frame.Read("center", outputs.frame.center);
+  });
+  fields.ReadObjects("imported", [&outputs](JsonFields& item) {
+    ImportedPairs& pairs = outputs.imported.emplace_back();
+    item.Read("tiles", pairs.tiles);
+    item.Read("fields", pairs.fields);
+    item.Read("mesh_of", pairs.mesh_of);
+  });
   COHORT_RETURN_IF_ERROR(fields.Finish());
   return outputs;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -56,6 +57,21 @@ struct Progress {
   int64_t tasks_given_up = 0;     ///< Failed too often; the job cannot succeed without them.
 };
 
+/// What all meshes of a job were brought to, so that a later job can add to them.
+struct CommonFrame {
+  Digest reference;                ///< Mesh blob that they were aligned to; empty: unknown.
+  std::array<double, 3> center{};  ///< Subtracted before distances become float32.
+  friend bool operator==(const CommonFrame&, const CommonFrame&) = default;
+};
+
+/// Pairs that an earlier job has measured in the same frame.
+struct ImportedPairs {
+  std::vector<Digest> tiles;
+  std::vector<Digest> fields;
+  std::vector<int32_t> mesh_of;  ///< This job's index of each mesh of that job; -1: not in it.
+  friend bool operator==(const ImportedPairs&, const ImportedPairs&) = default;
+};
+
 /// Blobs that hold the results of a job that succeeded.
 struct JobOutputs {
   std::vector<Digest> tiles;       ///< Tile blobs.
@@ -66,7 +82,9 @@ struct JobOutputs {
   std::vector<Digest> fields;      ///< Field blobs: what is kept of the distances.
   Digest base_choice;              ///< Base blob, if the base was chosen; else empty.
   std::vector<Digest> preview;     ///< Preview blobs, if asked for; there before the others.
-  std::vector<Digest> poses;       ///< Alignment blobs of the coarse poses; empty: none were made.
+  CommonFrame frame;
+  std::vector<ImportedPairs> imported;  ///< Of the job with a reference job; besides `tiles`.
+  std::vector<Digest> poses;  ///< Alignment blobs of the coarse poses; empty: none were made.
 };
 
 /// A mesh of a job and what became of it.

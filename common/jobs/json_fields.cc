@@ -158,6 +158,22 @@ void JsonFields::Read(std::string_view key, std::vector<std::string>& value) {
   value = found->get<std::vector<std::string>>();
 }
 
+void JsonFields::Read(std::string_view key, std::vector<int32_t>& value) {
+  const json* found = Find(key);
+  if (found == nullptr) {
+    return;
+  }
+  const bool all_integers =
+      found->is_array() && std::all_of(found->begin(), found->end(), [](const json& item) {
+        return item.is_number_integer() && item >= std::numeric_limits<int32_t>::min() &&
+               item <= std::numeric_limits<int32_t>::max();
+      });
+  if (!all_integers) {
+    return Expected(key, "an array of integers", *found);
+  }
+  value = found->get<std::vector<int32_t>>();
+}
+
 void JsonFields::ReadObject(std::string_view key, const std::function<void(JsonFields&)>& read) {
   if (const json* found = Find(key)) {
     ReadNested(key, *found, read);

@@ -41,6 +41,7 @@ class JsonFields {
   void Read(std::string_view key, std::array<double, 3>& value);
   void Read(std::string_view key, std::vector<Digest>& value);
   void Read(std::string_view key, std::vector<std::string>& value);
+  void Read(std::string_view key, std::vector<int32_t>& value);
 
   /// Reads an enumerator by its name.
   template <typename T>

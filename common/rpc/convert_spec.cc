@@ -94,6 +94,7 @@ v1::JobSpec ToProto(const JobSpec& spec) {
   wire.set_preview(spec.preview);
   wire.set_priority(spec.priority);
   wire.set_fresh(spec.fresh);
+  wire.set_reference_job(spec.reference_job);
   wire.set_metric(ToProto(spec.metric));
   wire.set_symmetrization(ToProto(spec.symmetrization));
   wire.set_neighbours(spec.neighbours);
@@ -120,6 +121,7 @@ absl::StatusOr<JobSpec> FromProto(const v1::JobSpec& wire) {
   spec.preview = wire.preview();
   spec.priority = wire.priority();
   spec.fresh = wire.fresh();
+  spec.reference_job = wire.reference_job();
   COHORT_ASSIGN_OR_RETURN(spec.metric, FromProto(wire.metric()));
   COHORT_ASSIGN_OR_RETURN(spec.symmetrization, FromProto(wire.symmetrization()));
   spec.neighbours = wire.neighbours();

@@ -100,10 +100,12 @@ class Catalog {
   /// Creates a job over a snapshot of `meshes`, in that order; fills in id and times of `job`.
   /// A job of the same non-empty `request_id` exists: returns that one instead.
   /// @param now_unix_ms  creation time.
+  /// @param kept  what it keeps of a reference job: its outputs until it has its own.
   [[nodiscard]] absl::StatusOr<Job> CreateJob(const Job& job,
                                               const std::vector<SetMesh>& meshes,
                                               const std::string& request_id,
-                                              int64_t now_unix_ms);
+                                              int64_t now_unix_ms,
+                                              const JobOutputs& kept = {});
   /// Writes everything of the job that can change (state, error, version, times, progress,
   /// counters, rejected count).
   [[nodiscard]] absl::Status UpdateJob(const Job& job);

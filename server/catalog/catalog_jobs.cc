@@ -91,7 +91,8 @@ absl::StatusOr<std::vector<JobMesh>> SelectJobMeshes(soci::session& sql, int64_t
 absl::StatusOr<Job> Catalog::CreateJob(const Job& job,
                                        const std::vector<SetMesh>& meshes,
                                        const std::string& request_id,
-                                       int64_t now_unix_ms) {
+                                       int64_t now_unix_ms,
+                                       const JobOutputs& kept) {
   Job created = job;
   const absl::Status status = database_->Write([&](soci::session& sql) -> absl::Status {
     COHORT_ASSIGN_OR_RETURN(
@@ -106,7 +107,7 @@ absl::StatusOr<Job> Catalog::CreateJob(const Job& job,
     created.id = JobIdOf(number);
     created.created_unix_ms = now_unix_ms;
     created.meshes = static_cast<int64_t>(meshes.size());
-    COHORT_RETURN_IF_ERROR(InsertJob(sql, created, request_id));
+    COHORT_RETURN_IF_ERROR(InsertJob(sql, created, request_id, kept));
     InsertJobMeshes(sql, number, meshes);
     return absl::OkStatus();
   });

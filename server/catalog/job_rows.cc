@@ -106,13 +106,16 @@ absl::StatusOr<Job> SelectJob(soci::session& sql, const JobId& id) {
   return std::move(jobs[0]);
 }
 
-absl::Status InsertJob(soci::session& sql, const Job& job, const std::string& request_id) {
+absl::Status InsertJob(soci::session& sql,
+                       const Job& job,
+                       const std::string& request_id,
+                       const JobOutputs& outputs_kept) {
   COHORT_ASSIGN_OR_RETURN(const int64_t number, NumberOf(job.id));
   const std::string spec = SpecToText(job.spec);
   const std::string state(JobStateName(job.state));
   const std::string progress = ProgressToText(job.progress);
   const std::string counters = CountersToText(job.counters);
-  const std::string outputs = OutputsToText(JobOutputs());
+  const std::string outputs = OutputsToText(outputs_kept);
   sql << "INSERT INTO job (number, request_id, set_name, spec, state, error, version, "
          "created_unix_ms, started_unix_ms, finished_unix_ms, meshes, rejected_meshes, progress, "
          "counters, outputs) VALUES (:number, :request_id, :set_name, :spec, :state, :error, "

@@ -31,7 +31,8 @@ namespace cohort {
 /// `job.id` must be that of a number not given out before.
 [[nodiscard]] absl::Status InsertJob(soci::session& sql,
                                      const Job& job,
-                                     const std::string& request_id);
+                                     const std::string& request_id,
+                                     const JobOutputs& outputs);
 /// What Catalog::UpdateJob writes. @return kNotFound naming the job.
 [[nodiscard]] absl::Status UpdateJobRow(soci::session& sql, const Job& job);
 /// The number of a job that is there. @return kNotFound naming the job.

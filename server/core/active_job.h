@@ -15,6 +15,7 @@ namespace cohort {
 struct ActiveJob {
   Job job;
   std::unique_ptr<JobPlan> plan;
+  JobOutputs kept;                          ///< Of a reference job; see JobPlan::Create.
   NumberSet unlooked;                       ///< Ready tasks; not looked up among known results.
   std::map<int64_t, std::string> given_up;  ///< Tasks that failed too often, and why.
   int64_t reused = 0;                       ///< Tasks whose result was known.

@@ -129,11 +129,19 @@ absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
     meshes.insert(meshes.end(), page.items.begin(), page.items.end());
     token = page.next_token;
   } while (!token.empty());
-  COHORT_ASSIGN_OR_RETURN(std::unique_ptr<JobPlan> plan, JobPlan::Create(spec, meshes, {}));
+  JobSpec complete = spec;
+  JobOutputs kept;
+  if (!spec.reference_job.empty()) {
+    COHORT_ASSIGN_OR_RETURN(ReferenceFrame frame, FrameFor(spec, meshes));
+    complete = std::move(frame.spec);
+    kept = std::move(frame.kept);
+  }
+  COHORT_ASSIGN_OR_RETURN(std::unique_ptr<JobPlan> plan,
+                          JobPlan::Create(complete, meshes, {}, kept));
 
   Job wanted;
   wanted.set = set;
-  wanted.spec = spec;
+  wanted.spec = complete;
   wanted.version = 1;
   wanted.meshes = static_cast<int64_t>(meshes.size());
   wanted.progress = plan->CurrentProgress();
@@ -141,7 +149,8 @@ absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
   std::vector<Job> changes;
   {
     const MutexLock lock(mutex_);
-    COHORT_ASSIGN_OR_RETURN(created, catalog_.CreateJob(wanted, meshes, request_id, WallMs()));
+    COHORT_ASSIGN_OR_RETURN(created,
+                            catalog_.CreateJob(wanted, meshes, request_id, WallMs(), kept));
     const auto running = active_.find(created.id);
     if (running != active_.end()) {
       return running->second.job;
@@ -152,6 +161,7 @@ absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
     ActiveJob& active = active_[created.id];
     active.job = created;
     active.plan = std::move(plan);
+    active.kept = std::move(kept);
     ServeJob(active);
     COHORT_RETURN_IF_ERROR(Advance(active));
     created = active.job;
@@ -160,6 +170,15 @@ absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
   work_.NotifyAll();
   Notify(changes);
   return created;
+}
+
+absl::StatusOr<ReferenceFrame> Coordinator::FrameFor(const JobSpec& spec,
+                                                     const std::vector<SetMesh>& meshes) {
+  const JobId id{spec.reference_job};
+  COHORT_ASSIGN_OR_RETURN(const Job reference, GetJob(id));
+  COHORT_ASSIGN_OR_RETURN(const std::vector<JobMesh> reference_meshes, GetJobMeshes(id));
+  COHORT_ASSIGN_OR_RETURN(const JobOutputs outputs, catalog_.GetOutputs(id));
+  return MakeReferenceFrame(reference, reference_meshes, outputs, spec, meshes, store_);
 }
 
 absl::StatusOr<Job> Coordinator::GetJob(const JobId& id) {

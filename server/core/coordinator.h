@@ -22,6 +22,7 @@
 #include "common/store/blob_store.h"
 #include "server/catalog/catalog.h"
 #include "server/core/active_job.h"
+#include "server/core/reference_frame.h"
 #include "server/results/matrix_builder.h"
 #include "server/scheduling/scheduler.h"
 
@@ -182,6 +183,7 @@ class Coordinator {
   void ServeJob(const ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<JobOutputs> OutputsSoFar(const JobId& id) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status CheckLandmarks(const JobSpec& spec);
+  absl::StatusOr<ReferenceFrame> FrameFor(const JobSpec& spec, const std::vector<SetMesh>& meshes);
   void Touch(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Drops ended jobs and returns what observers are to hear.
   std::vector<Job> TakeChanges() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

@@ -67,7 +67,10 @@ absl::Status Coordinator::RecoverJob(const Job& job) {
   ActiveJob& active = active_[job.id];
   active.job = job;
   active.reused = job.progress.tasks_reused;
-  COHORT_ASSIGN_OR_RETURN(active.plan, JobPlan::Create(job.spec, meshes, {}));
+  if (!job.spec.reference_job.empty()) {
+    COHORT_ASSIGN_OR_RETURN(active.kept, catalog_.GetOutputs(job.id));
+  }
+  COHORT_ASSIGN_OR_RETURN(active.plan, JobPlan::Create(job.spec, meshes, {}, active.kept));
   ServeJob(active);
   // A task has a higher number than those it needs: in number order the plan can take all results.
   absl::Status verdict;
@@ -222,7 +225,8 @@ absl::Status Coordinator::EndJob(ActiveJob& active, JobState state, const std::s
   UpdateProgress(active, ended);
   ended.counters = active.plan->TotalCounters();
   ++ended.version;
-  const JobOutputs outputs = state == JobState::kSucceeded ? active.plan->Outputs() : JobOutputs{};
+  // A retry needs what was kept of a reference job.
+  const JobOutputs& outputs = state == JobState::kSucceeded ? active.plan->Outputs() : active.kept;
   COHORT_RETURN_IF_ERROR(catalog_.FinishJob(ended, outputs, active.plan->Meshes()));
   spdlog::info("event=job_ended job={} state={} error=\"{}\"", ended.id.value, JobStateName(state),
                error);

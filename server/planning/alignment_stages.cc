@@ -16,20 +16,29 @@ constexpr double kChooseSecondsPerPair = 1e-5;
 constexpr double kSecondsPerLookup = 1.5e-8;
 constexpr int kExpectedIterations = 35;  ///< Most alignments have converged by then.
 
+/// Batches that are to be aligned.
+int64_t OpenBatchCount(const PlanState& state) {
+  return static_cast<int64_t>(state.batches.size() - state.FirstOpenBatch());
+}
+
 const Batch& BatchAt(const PlanState& state, int64_t task) {
-  return state.batches[static_cast<size_t>(task)];
+  return state.batches[state.FirstOpenBatch() + static_cast<size_t>(task)];
 }
 
 /// Takes in an alignment blob per batch, then the rejections of all.
 absl::Status AbsorbAlignments(PlanState& state, std::span<const TaskResult> results) {
   std::vector<MeshRejection> rejections;
+  const size_t first = state.FirstOpenBatch();
   for (size_t i = 0; i < results.size(); ++i) {
-    state.batches[i].alignment = results[i].output;
-    state.batches[i].displacement = results[i].second_output;
+    state.batches[first + i].alignment = results[i].output;
+    state.batches[first + i].displacement = results[i].second_output;
     rejections.insert(rejections.end(), results[i].rejections.begin(), results[i].rejections.end());
   }
   state.Reject(rejections);
   COHORT_RETURN_IF_ERROR(state.CheckEnoughLeft());
+  if (state.HasKeptFrame()) {
+    return absl::OkStatus();  // The frame needs no mesh of this job.
+  }
   const JobMesh& base = state.meshes[static_cast<size_t>(state.base)];
   // A mean shape does without its first reference; the other methods compare with the base mesh.
   if (!base.rejection.empty() && state.spec.method != Method::kAverage) {
@@ -61,7 +70,7 @@ class PoseStage final : public Stage {
  public:
   [[nodiscard]] std::string Name() const override { return "pose"; }
   [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
-    return static_cast<int64_t>(state.batches.size());
+    return OpenBatchCount(state);
   }
   [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
     return state.VerticesOf(BatchAt(state, task).meshes) * kPoseSecondsPerVertex;
@@ -96,7 +105,7 @@ class AlignStage final : public Stage {
 
   [[nodiscard]] std::string Name() const override { return name_; }
   [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
-    return static_cast<int64_t>(state.batches.size());
+    return OpenBatchCount(state);
   }
   [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
     const Batch& batch = BatchAt(state, task);

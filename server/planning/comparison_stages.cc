@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "server/planning/block_pairs.h"
@@ -34,14 +35,57 @@ int64_t BlockSize(const PlanState& state) {
   return std::clamp<int64_t>(std::min(std::max(even, least), most), 1, kMaxBlockSize);
 }
 
-int64_t BlockCount(const PlanState& state) {
-  return (state.ActiveCount() + BlockSize(state) - 1) / BlockSize(state);
+/// Meshes of a tile.
+struct TilePlace {
+  std::vector<int32_t> rows;
+  std::vector<int32_t> columns;
+  bool is_diagonal = false;  ///< Both are the same meshes.
+};
+
+int64_t BlockCount(int64_t meshes, int64_t size) {
+  return (meshes + size - 1) / size;
 }
 
-std::vector<int32_t> BlockAt(const PlanState& state, int64_t block) {
-  const int64_t begin = block * BlockSize(state);
-  const int64_t end = std::min(begin + BlockSize(state), state.ActiveCount());
-  return {state.active.begin() + begin, state.active.begin() + end};
+std::vector<int32_t> BlockAt(const std::vector<int32_t>& meshes, int64_t size, int64_t block) {
+  const int64_t begin = block * size;
+  const int64_t end = std::min(begin + size, std::ssize(meshes));
+  return {meshes.begin() + begin, meshes.begin() + end};
+}
+
+/// The tiles of a job: of all its meshes with each other; where a reference job has measured some,
+/// first those of new meshes with kept ones, then those of new ones.
+int64_t TileCount(const PlanState& state) {
+  const int64_t size = BlockSize(state);
+  if (!state.HasKeptFrame()) {
+    return BlockPairCount(BlockCount(state.ActiveCount(), size));
+  }
+  const int64_t open = BlockCount(std::ssize(state.OpenMeshes()), size);
+  return open * BlockCount(std::ssize(state.KeptMeshes()), size) + BlockPairCount(open);
+}
+
+TilePlace TileAt(const PlanState& state, int64_t task) {
+  const int64_t size = BlockSize(state);
+  const std::vector<int32_t>& all = state.active;
+  if (!state.HasKeptFrame()) {
+    const auto [row, column] = BlockPairAt(BlockCount(state.ActiveCount(), size), task);
+    return {BlockAt(all, size, row), BlockAt(all, size, column), row == column};
+  }
+  const std::vector<int32_t> open = state.OpenMeshes();
+  const std::vector<int32_t> kept = state.KeptMeshes();
+  const int64_t open_blocks = BlockCount(std::ssize(open), size);
+  const int64_t mixed = open_blocks * BlockCount(std::ssize(kept), size);
+  if (task < mixed) {
+    return {BlockAt(open, size, task % open_blocks), BlockAt(kept, size, task / open_blocks),
+            false};
+  }
+  const auto [row, column] = BlockPairAt(open_blocks, task - mixed);
+  return {BlockAt(open, size, row), BlockAt(open, size, column), row == column};
+}
+
+/// What all distances are measured relative to.
+std::array<double, 3> FrameCenter(const PlanState& state) {
+  return state.HasKeptFrame() ? state.outputs.frame.center
+                              : state.meshes[static_cast<size_t>(state.base)].ingested->centroid;
 }
 
 /// Bytes that keeping the distances of all pairs takes, roughly.
@@ -96,47 +140,40 @@ class CompareStage final : public Stage {
   [[nodiscard]] std::string Name() const override { return "compare"; }
 
   [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
-    return BlockPairCount(BlockCount(state));
+    return TileCount(state);
   }
 
   [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
-    const auto [row, column] = BlockPairAt(BlockCount(state), task);
-    const std::vector<int32_t> rows = BlockAt(state, row);
-    const std::vector<int32_t> columns = BlockAt(state, column);
-    double lookups = state.VerticesOf(rows) * static_cast<double>(columns.size());
-    if (row != column) {
-      lookups += state.VerticesOf(columns) * static_cast<double>(rows.size());
+    const TilePlace tile = TileAt(state, task);
+    double lookups = state.VerticesOf(tile.rows) * static_cast<double>(tile.columns.size());
+    if (!tile.is_diagonal) {
+      lookups += state.VerticesOf(tile.columns) * static_cast<double>(tile.rows.size());
     }
     return lookups * SecondsPerLookup(state);
   }
 
   [[nodiscard]] std::array<int64_t, 2> Reads(const PlanState& state, int64_t task) const override {
-    const auto [row, column] = BlockPairAt(BlockCount(state), task);
-    const auto first_mesh = [&](int64_t block) -> int64_t {
-      return state.active[static_cast<size_t>(block * BlockSize(state))];
-    };
-    return {first_mesh(row), first_mesh(column)};
+    const TilePlace tile = TileAt(state, task);
+    return {tile.rows.front(), tile.columns.front()};
   }
 
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
-    const auto [row, column] = BlockPairAt(BlockCount(state), task);
-    const std::vector<int32_t> rows = BlockAt(state, row);
-    const std::vector<int32_t> columns = BlockAt(state, column);
-    std::vector<int32_t> both = rows;
-    if (row != column) {
-      both.insert(both.end(), columns.begin(), columns.end());
+    const TilePlace tile = TileAt(state, task);
+    std::vector<int32_t> both = tile.rows;
+    if (!tile.is_diagonal) {
+      both.insert(both.end(), tile.columns.begin(), tile.columns.end());
     }
     Task made;
     made.kind = TaskKind::kCompare;
-    made.meshes = state.TaskMeshes(rows);
-    made.targets = state.TaskMeshes(columns);
+    made.meshes = state.TaskMeshes(tile.rows);
+    made.targets = state.TaskMeshes(tile.columns);
     made.alignments = state.AlignmentsOf(both);
     made.compare = ResolvedCompare(state);
     if (state.spec.arithmetic == Arithmetic::kFidentis) {
       made.arithmetic = Arithmetic::kFidentis;
       made.partials = state.PlacedOf(both);
     }
-    made.frame_center = state.meshes[static_cast<size_t>(state.base)].ingested->centroid;
+    made.frame_center = FrameCenter(state);
     return made;
   }
 
@@ -146,11 +183,8 @@ class CompareStage final : public Stage {
       state.outputs.tiles.push_back(result.output);
       AddFields(state, result);
     }
-    for (const Batch& batch : state.batches) {
-      if (!batch.alignment.empty()) {
-        state.outputs.alignments.push_back(batch.alignment);
-      }
-    }
+    state.CollectAlignments();
+    state.outputs.frame = {.reference = state.reference, .center = FrameCenter(state)};
     return absl::OkStatus();
   }
 };

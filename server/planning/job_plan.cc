@@ -1,6 +1,7 @@
 #include "server/planning/job_plan.h"
 
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -39,6 +40,33 @@ absl::StatusOr<int32_t> FindBase(const std::string& name, const std::vector<SetM
                                                  " to ", meshes.back().name, ")"));
 }
 
+/// Takes over what a reference job has found.
+absl::Status KeepFrame(const JobOutputs& kept, PlanState& state) {
+  if (kept.frame.reference.empty() || kept.alignments.size() > 1) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("nothing is kept of the reference job ", state.spec.reference_job));
+  }
+  std::set<int32_t> meshes;
+  for (const ImportedPairs& pairs : kept.imported) {
+    for (const int32_t mesh : pairs.mesh_of) {
+      if (mesh >= static_cast<int32_t>(state.meshes.size())) {
+        return absl::InvalidArgumentError(
+            absl::StrCat("mesh ", mesh, " is kept, of ", state.meshes.size()));
+      }
+      if (mesh >= 0) {
+        meshes.insert(mesh);
+      }
+    }
+  }
+  state.kept.assign(meshes.begin(), meshes.end());
+  if (!kept.alignments.empty()) {
+    state.kept_alignments = kept.alignments.front();
+  }
+  state.outputs.frame = kept.frame;
+  state.outputs.imported = kept.imported;
+  return absl::OkStatus();
+}
+
 absl::Status AddKnown(const std::vector<IngestedMesh>& known, std::vector<JobMesh>& meshes) {
   for (const IngestedMesh& mesh : known) {
     if (mesh.index < 0 || mesh.index >= static_cast<int32_t>(meshes.size())) {
@@ -59,7 +87,8 @@ absl::Status AddKnown(const std::vector<IngestedMesh>& known, std::vector<JobMes
 
 absl::StatusOr<std::unique_ptr<JobPlan>> JobPlan::Create(const JobSpec& spec,
                                                          const std::vector<SetMesh>& meshes,
-                                                         const std::vector<IngestedMesh>& known) {
+                                                         const std::vector<IngestedMesh>& known,
+                                                         const JobOutputs& kept) {
   COHORT_RETURN_IF_ERROR(spec.Validate());
   COHORT_RETURN_IF_ERROR(CheckMeshes(meshes));
   PlanState state;
@@ -70,6 +99,9 @@ absl::StatusOr<std::unique_ptr<JobPlan>> JobPlan::Create(const JobSpec& spec,
         {.mesh = mesh, .ingested = std::nullopt, .copy = std::nullopt, .rejection = {}});
   }
   COHORT_RETURN_IF_ERROR(AddKnown(known, state.meshes));
+  if (state.HasKeptFrame()) {
+    COHORT_RETURN_IF_ERROR(KeepFrame(kept, state));
+  }
   state.active.resize(meshes.size());
   std::iota(state.active.begin(), state.active.end(), 0);
   state.FormBatches();

@@ -30,6 +30,8 @@ class JobPlan {
   ///               `meshes`; may be empty. Such meshes get no ingest task. Task numbers do not
   ///               depend on it: a plan made again after a restart, when more is known, fits its
   ///               results.
+  /// @param kept  with a reference job: `frame`, `imported` (whose meshes are the kept ones), and
+  ///              as `alignments` one blob of those.
   /// @return kInvalidArgument if the spec is invalid, there are fewer than 2 meshes, they are not
   /// in
   ///         order, the base is not among them, or `known` does not fit them; kFailedPrecondition
@@ -37,7 +39,8 @@ class JobPlan {
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<JobPlan>> Create(
       const JobSpec& spec,
       const std::vector<SetMesh>& meshes,
-      const std::vector<IngestedMesh>& known);
+      const std::vector<IngestedMesh>& known,
+      const JobOutputs& kept = {});
   virtual ~JobPlan() = default;
 
   /// Tasks whose inputs exist and which were not returned before, ascending. They are numbers, so

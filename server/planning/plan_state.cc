@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <span>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -15,17 +16,34 @@ constexpr int64_t kMeshesPerBatchStep = 64;  ///< A job has about 64 batches,
 constexpr int64_t kMaxBatchSize = 16;        ///< more if they would grow beyond this.
 constexpr int64_t kNamedRejections = 3;
 
-/// One blob of each batch that holds some of `chosen`, each once, in batch order.
-std::vector<Digest> BlobsOf(const std::vector<Batch>& batches,
-                            const std::vector<int32_t>& chosen,
-                            Digest Batch::*blob) {
-  std::vector<Digest> result;
-  for (const int32_t mesh : chosen) {
-    // Batches are consecutive: the last one that begins at or before the mesh holds it.
+/// The batch that holds a mesh: those that are kept are consecutive among themselves, and so are
+/// the others.
+const Batch& BatchOf(std::span<const Batch> kept, std::span<const Batch> open, int32_t mesh) {
+  const auto find = [mesh](std::span<const Batch> batches) {
     const auto after =
         std::partition_point(batches.begin(), batches.end(),
                              [mesh](const Batch& batch) { return batch.meshes.front() <= mesh; });
-    const Digest& found = (*std::prev(after)).*blob;
+    return after == batches.begin() ? nullptr : &*std::prev(after);
+  };
+  const Batch* batch = find(kept);
+  const bool is_kept =
+      batch != nullptr && std::binary_search(batch->meshes.begin(), batch->meshes.end(), mesh);
+  return is_kept ? *batch : *find(open);
+}
+
+/// One blob of each batch that holds some of `chosen`, each once, in the order of the meshes.
+std::vector<Digest> BlobsOf(const PlanState& state,
+                            const std::vector<int32_t>& chosen,
+                            Digest Batch::*blob) {
+  const std::span<const Batch> batches(state.batches);
+  const size_t first_open = state.FirstOpenBatch();
+  std::vector<Digest> result;
+  for (const int32_t mesh : chosen) {
+    const Digest& found =
+        BatchOf(batches.first(first_open), batches.subspan(first_open), mesh).*blob;
+    if (first_open > 0 && std::find(result.begin(), result.end(), found) != result.end()) {
+      continue;
+    }
     if (!found.empty() && (result.empty() || result.back() != found)) {
       result.push_back(found);
     }
@@ -64,14 +82,40 @@ std::vector<TaskMesh> PlanState::TaskMeshes(const std::vector<int32_t>& chosen) 
 }
 
 std::vector<Digest> PlanState::AlignmentsOf(const std::vector<int32_t>& chosen) const {
-  return BlobsOf(batches, chosen, &Batch::alignment);
+  return BlobsOf(*this, chosen, &Batch::alignment);
 }
 
 std::vector<Digest> PlanState::PlacedOf(const std::vector<int32_t>& chosen) const {
-  return BlobsOf(batches, chosen, &Batch::placed);
+  return BlobsOf(*this, chosen, &Batch::placed);
+}
+
+size_t PlanState::FirstOpenBatch() const {
+  const auto first = std::find_if(batches.begin(), batches.end(),
+                                  [](const Batch& batch) { return !batch.is_kept; });
+  return static_cast<size_t>(first - batches.begin());
+}
+
+std::vector<int32_t> PlanState::KeptMeshes() const {
+  std::vector<int32_t> result;
+  for (const Batch& batch : std::span(batches).first(FirstOpenBatch())) {
+    result.insert(result.end(), batch.meshes.begin(), batch.meshes.end());
+  }
+  return result;
+}
+
+std::vector<int32_t> PlanState::OpenMeshes() const {
+  std::vector<int32_t> result;
+  for (const Batch& batch : std::span(batches).subspan(FirstOpenBatch())) {
+    result.insert(result.end(), batch.meshes.begin(), batch.meshes.end());
+  }
+  return result;
 }
 
 absl::Status PlanState::ChooseBase() {
+  if (HasKeptFrame()) {
+    reference = outputs.frame.reference;
+    return absl::OkStatus();
+  }
   if (spec.base.empty()) {
     base = active.front();
   }
@@ -84,12 +128,42 @@ absl::Status PlanState::ChooseBase() {
   return absl::OkStatus();
 }
 
+int64_t PlanState::BatchSize() const {
+  return std::clamp<int64_t>(ActiveCount() / kMeshesPerBatchStep, 1, kMaxBatchSize);
+}
+
 void PlanState::FormBatches() {
-  const int64_t size = std::clamp<int64_t>(ActiveCount() / kMeshesPerBatchStep, 1, kMaxBatchSize);
+  const int64_t size = BatchSize();
   batches.clear();
-  for (std::vector<int32_t>& piece : SplitEvenly(active, size)) {
-    batches.push_back(
-        {.meshes = std::move(piece), .alignment = {}, .displacement = {}, .placed = {}});
+  std::vector<int32_t> open;
+  std::vector<int32_t> taken;
+  std::set_difference(active.begin(), active.end(), kept.begin(), kept.end(),
+                      std::back_inserter(open));
+  std::set_intersection(active.begin(), active.end(), kept.begin(), kept.end(),
+                        std::back_inserter(taken));
+  for (std::vector<int32_t>& piece : SplitEvenly(taken, size)) {
+    batches.push_back({.meshes = std::move(piece),
+                       .is_kept = true,
+                       .alignment = kept_alignments,
+                       .displacement = {},
+                       .placed = {}});
+  }
+  for (std::vector<int32_t>& piece : SplitEvenly(open, size)) {
+    batches.push_back({.meshes = std::move(piece),
+                       .is_kept = false,
+                       .alignment = {},
+                       .displacement = {},
+                       .placed = {}});
+  }
+}
+
+void PlanState::CollectAlignments() {
+  outputs.alignments.clear();
+  for (const Batch& batch : batches) {
+    const bool is_new = outputs.alignments.empty() || outputs.alignments.back() != batch.alignment;
+    if (!batch.alignment.empty() && is_new) {
+      outputs.alignments.push_back(batch.alignment);
+    }
   }
 }
 

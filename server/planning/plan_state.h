@@ -15,6 +15,7 @@ namespace cohort {
 /// its identity when meshes leave it.
 struct Batch {
   std::vector<int32_t> meshes;  ///< Active ones, ascending; never empty.
+  bool is_kept = false;         ///< Aligned by the reference job.
   Digest alignment;             ///< Newest alignment blob that holds them; empty: none yet.
   Digest displacement;          ///< Newest displacement blob.
   Digest placed;                ///< Arithmetic::kFidentis: newest placed blob that holds them.
@@ -31,6 +32,8 @@ struct PlanState {
   int32_t base = 0;                ///< The base mesh. Provisional until ingest ends.
   bool mean_has_settled = false;   ///< The last round moved the mean shape by no more than asked.
   Digest reference;                ///< Newest reference: the base mesh or the last mean shape.
+  std::vector<int32_t> kept;       ///< Meshes whose alignments a reference job made, ascending.
+  Digest kept_alignments;          ///< Alignment blob of those.
   std::vector<Digest> variations;  ///< Variation blobs in batch order.
   JobOutputs outputs;
 
@@ -50,11 +53,23 @@ struct PlanState {
   /// The same of their placed blobs.
   [[nodiscard]] std::vector<Digest> PlacedOf(const std::vector<int32_t>& chosen) const;
 
+  /// True if the job adds to the frame of a reference job.
+  [[nodiscard]] bool HasKeptFrame() const { return !spec.reference_job.empty(); }
+  /// The first batch that is not kept; those before it are.
+  [[nodiscard]] size_t FirstOpenBatch() const;
+  /// Active meshes of the batches that are kept, or of those that are not, ascending.
+  [[nodiscard]] std::vector<int32_t> KeptMeshes() const;
+  [[nodiscard]] std::vector<int32_t> OpenMeshes() const;
+
   /// Takes the mesh that the job names, or else the first that can be used, as base and reference.
   /// @return kFailedPrecondition if the mesh that the job names was rejected.
   [[nodiscard]] absl::Status ChooseBase();
+  /// Meshes of a batch.
+  [[nodiscard]] int64_t BatchSize() const;
   /// Divides the active meshes into new batches.
   void FormBatches();
+  /// Writes the alignments of all batches into the outputs.
+  void CollectAlignments();
   /// Takes meshes out of the job; batches left empty are dropped.
   void Reject(const std::vector<MeshRejection>& rejections);
   /// @return kFailedPrecondition, naming the first rejections, if fewer than 2 meshes are left.

@@ -40,6 +40,23 @@ void AddComparison(StepList& steps, const JobSpec& spec) {
   }
 }
 
+/// New meshes are brought into the frame of a reference job and compared with all; nothing else.
+std::vector<Step> AddingSteps(const JobSpec& spec) {
+  StepList steps;
+  steps.Add(MakeIngestStage());
+  if (spec.method != Method::kNone) {
+    if (spec.pose != PoseMode::kNone) {
+      steps.Add(MakePoseStage());
+    }
+    steps.Add(MakeAlignStage("align", Displacement::kNotWanted));
+  }
+  AddComparison(steps, spec);
+  steps.Add(MakeSummarizeStage(spec.method == Method::kAverage
+                                   ? LastShape::kReference
+                                   : LastShape::kReferencePlusDisplacement));
+  return std::move(steps).Take();
+}
+
 std::vector<Step> FidentisSteps(const JobSpec& spec) {
   StepList steps;
   steps.Add(MakeIngestStage());
@@ -65,6 +82,9 @@ std::vector<Step> FidentisSteps(const JobSpec& spec) {
 std::vector<Step> MakeSteps(const JobSpec& spec) {
   if (spec.arithmetic == Arithmetic::kFidentis) {
     return FidentisSteps(spec);
+  }
+  if (!spec.reference_job.empty()) {
+    return AddingSteps(spec);
   }
   StepList steps;
   steps.Add(MakeIngestStage());

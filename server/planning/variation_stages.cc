@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <array>
+#include <vector>
+
 #include "server/planning/stage.h"
 
 namespace cohort {
@@ -13,36 +17,50 @@ class VariationStage final : public Stage {
 
   [[nodiscard]] std::string Name() const override { return "variation"; }
   [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
-    return static_cast<int64_t>(state.batches.size());
+    return state.HasKeptFrame() ? (state.ActiveCount() + state.BatchSize() - 1) / state.BatchSize()
+                                : static_cast<int64_t>(state.batches.size());
   }
   [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
-    const Batch& batch = state.batches[static_cast<size_t>(task)];
-    return state.VerticesOf(state.base) * static_cast<double>(batch.meshes.size()) *
+    return state.VerticesOf(state.base) * static_cast<double>(MeshesOf(state, task).size()) *
            kSecondsPerLookup;
   }
+  [[nodiscard]] std::array<int64_t, 2> Reads(const PlanState& state, int64_t task) const override {
+    return {MeshesOf(state, task).front(), TaskTraits::kNothing};
+  }
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
-    const Batch& batch = state.batches[static_cast<size_t>(task)];
+    const std::vector<int32_t> meshes = MeshesOf(state, task);
     Task made;
     made.kind = TaskKind::kVariation;
-    made.meshes = state.TaskMeshes(batch.meshes);
+    made.meshes = state.TaskMeshes(meshes);
     made.reference = state.reference;
     made.icp.correspondence = state.spec.icp.correspondence;
     made.wants_displacement = displacement_ == Displacement::kWanted;
-    if (!batch.alignment.empty()) {
-      made.alignments = {batch.alignment};
-    }
+    made.alignments = state.AlignmentsOf(meshes);
     return made;
   }
   [[nodiscard]] absl::Status Absorb(PlanState& state,
                                     std::span<const TaskResult> results) const override {
     for (size_t i = 0; i < results.size(); ++i) {
       state.variations.push_back(results[i].output);
-      state.batches[i].displacement = results[i].second_output;
+      if (displacement_ == Displacement::kWanted) {
+        state.batches[i].displacement = results[i].second_output;
+      }
     }
     return absl::OkStatus();
   }
 
  private:
+  /// A batch. Where some are kept, the meshes in their order, so that sums over a set that grew
+  /// are those over one that was there from the beginning.
+  static std::vector<int32_t> MeshesOf(const PlanState& state, int64_t task) {
+    if (!state.HasKeptFrame()) {
+      return state.batches[static_cast<size_t>(task)].meshes;
+    }
+    const int64_t begin = task * state.BatchSize();
+    const int64_t end = std::min(begin + state.BatchSize(), state.ActiveCount());
+    return {state.active.begin() + begin, state.active.begin() + end};
+  }
+
   Displacement displacement_;
 };
 
@@ -67,6 +85,7 @@ class SummarizeStage final : public Stage {
   }
   [[nodiscard]] absl::Status Absorb(PlanState& state,
                                     std::span<const TaskResult> results) const override {
+    state.CollectAlignments();  // A set that only shrank has compared nothing before.
     state.outputs.summary = results.front().output;
     state.outputs.mean_shape = results.front().second_output;
     return absl::OkStatus();
