@@ -222,6 +222,9 @@ absl::Status Coordinator::EndJob(ActiveJob& active, JobState state, const std::s
   ended.state = state;
   ended.error = error;
   ended.finished_unix_ms = WallMs();
+  if (state == JobState::kSucceeded && ended.started_unix_ms == 0) {
+    ended.started_unix_ms = ended.created_unix_ms;  // All was known.
+  }
   UpdateProgress(active, ended);
   ended.counters = active.plan->TotalCounters();
   ++ended.version;

@@ -85,10 +85,10 @@ class ProgramTest(unittest.TestCase):
             child.wait()
             child.stdout.close()
 
-    def start(self, program, *arguments):
-        """Starts a program in the background; it ends with the test."""
+    def start(self, program, *arguments, log=subprocess.DEVNULL):
+        """Starts a program in the background; it ends with the test. stderr goes to `log`."""
         child = subprocess.Popen([BIN / program, *map(str, arguments)], stdout=subprocess.PIPE,
-                                 stderr=subprocess.DEVNULL, text=True)
+                                 stderr=log, text=True)
         self.children.append(child)
         return child
 
