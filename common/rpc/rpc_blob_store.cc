@@ -8,6 +8,7 @@
 #include "common/base/status_macros.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/grpc_status.h"
+#include "common/store/blob_damage.h"
 
 namespace cohort {
 namespace {
@@ -96,7 +97,9 @@ class RpcBlobReader final : public BlobReader {
     if (!stream_->Read(&piece_)) {
       ended_ = true;
       const absl::Status status = FromGrpcStatus(stream_->Finish(), peer_);
-      return status.ok() ? absl::DataLossError("blob " + digest_.Hex() + ": empty answer") : status;
+      return WithUnreadableBlob(
+          status.ok() ? absl::DataLossError("blob " + digest_.Hex() + ": empty answer") : status,
+          digest_);
     }
     size_bytes_ = piece_.size_bytes();
     return absl::OkStatus();
@@ -112,7 +115,7 @@ class RpcBlobReader final : public BlobReader {
       offset_ = 0;
       if (!stream_->Read(&piece_)) {
         piece_.clear_chunk();
-        COHORT_RETURN_IF_ERROR(End());
+        COHORT_RETURN_IF_ERROR(WithUnreadableBlob(End(), digest_));
         return std::string();
       }
     }

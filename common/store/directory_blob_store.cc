@@ -2,19 +2,17 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <atomic>
-#include <cassert>
 #include <cerrno>
 #include <chrono>
-#include <random>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "common/store/blob_damage.h"
 #include "common/store/posix_file.h"
 
 namespace cohort {
@@ -22,178 +20,44 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kPieceBytes = 1 << 20;
-
-fs::path BlobsFolder(const fs::path& root) {
-  return root / "sha256";
+fs::path DamagedFolder(const fs::path& root) {
+  return root / "damaged";
 }
 
-fs::path IncomingFolder(const fs::path& root) {
-  return root / "incoming";
+double AgeOf(const struct stat& status) {
+  const auto written = std::chrono::seconds(status.st_mtim.tv_sec) +
+                       std::chrono::nanoseconds(status.st_mtim.tv_nsec);
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch() -
+                                       written)
+      .count();
 }
 
-/// Where the blob of `digest` (not empty) is under `root`.
-fs::path BlobPath(const fs::path& root, const Digest& digest) {
-  return BlobsFolder(root) / digest.Hex().substr(0, 2) / digest.Hex();
-}
-
-/// A name that no other writer of this root uses, on this machine or another: the process, a count
-/// in it, and 64 random bits for machines that share the root over a network.
-std::string UniqueName() {
-  static std::atomic<int64_t> count{0};
-  std::random_device random;
-  return std::to_string(::getpid()) + "-" + std::to_string(count++) + "-" +
-         std::to_string((static_cast<uint64_t>(random()) << 32) | random());
-}
-
-/// Hashes what it hands out, so that a damaged file is found where it is read.
-class FileBlobReader final : public BlobReader {
- public:
-  FileBlobReader(FileDescriptor file, int64_t size_bytes, Digest digest, fs::path path)
-      : file_(std::move(file)),
-        remaining_(size_bytes),
-        size_bytes_(size_bytes),
-        digest_(std::move(digest)),
-        path_(std::move(path)) {}
-
-  [[nodiscard]] int64_t SizeBytes() const override { return size_bytes_; }
-
-  /// The digest is checked before the last piece is given away: a caller that stops after
-  /// SizeBytes() bytes has verified bytes too.
-  [[nodiscard]] absl::StatusOr<std::string> Read(int64_t max_bytes) override {
-    assert(max_bytes > 0);
-    COHORT_RETURN_IF_ERROR(damage_);
-    if (ended_) {
-      return std::string();
-    }
-    const int64_t wanted = std::min(max_bytes, remaining_);
-    std::string piece(static_cast<size_t>(wanted), '\0');
-    COHORT_ASSIGN_OR_RETURN(const int64_t count, ReadUpTo(file_, piece.data(), wanted, path_));
-    remaining_ -= count;
-    if (count < wanted) {
-      return Damaged("cut short, " + std::to_string(remaining_) + " bytes are missing");
-    }
-    hash_.Update(piece);
-    if (remaining_ == 0) {
-      COHORT_RETURN_IF_ERROR(CheckEnd());
-    }
-    return piece;
-  }
-
- private:
-  [[nodiscard]] absl::Status CheckEnd() {
-    char next = 0;
-    COHORT_ASSIGN_OR_RETURN(const int64_t more, ReadUpTo(file_, &next, 1, path_));
-    if (more > 0) {
-      return Damaged("grown beyond " + std::to_string(size_bytes_) + " bytes");
-    }
-    ended_ = true;
-    const Digest found = hash_.Finish();
-    if (found != digest_) {
-      return Damaged("its bytes have the SHA-256 " + found.Hex());
+/// Puts a file back under its name, unless another has come there meanwhile.
+absl::Status PutBack(const fs::path& moved, const fs::path& path) {
+  if (::link(moved.c_str(), path.c_str()) != 0 && errno != EEXIST) {
+    if (::rename(moved.c_str(), path.c_str()) != 0) {  // No hard links on this file system.
+      return ErrnoStatus(errno, "rename to " + path.string(), moved);
     }
     return absl::OkStatus();
   }
+  ::unlink(moved.c_str());  // A failure leaves it to SweepIncoming.
+  return absl::OkStatus();
+}
 
-  /// Remembers the damage: no later Read looks like a good end.
-  [[nodiscard]] absl::Status Damaged(const std::string& why) {
-    damage_ = absl::DataLossError("blob file " + path_.string() + " is damaged: " + why);
-    return damage_;
-  }
-
-  FileDescriptor file_;
-  int64_t remaining_;
-  int64_t size_bytes_;
-  Digest digest_;
-  fs::path path_;
-  Sha256 hash_;
-  bool ended_ = false;
-  absl::Status damage_;
-};
-
-absl::StatusOr<std::unique_ptr<BlobReader>> OpenBlobFile(const fs::path& path,
-                                                         const Digest& digest) {
-  COHORT_ASSIGN_OR_RETURN(FileDescriptor file, OpenFile(path, O_RDONLY));
+/// A file of a blob folder, for Visit. Empty digest: it is no blob, or has just gone.
+StoredBlob Describe(const fs::path& file) {
   struct stat status {};
-  if (::fstat(file.Get(), &status) != 0) {
-    return ErrnoStatus(errno, "stat", path);
+  const absl::StatusOr<Digest> digest = Digest::FromHex(file.filename().string());
+  if (!digest.ok() || ::lstat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    return {};
   }
-  return std::make_unique<FileBlobReader>(std::move(file), status.st_size, digest, path);
+  return {.digest = *digest, .size_bytes = status.st_size, .age_seconds = AgeOf(status)};
 }
-
-/// Reads all of it. OK only if the file is there and has its digest.
-absl::Status VerifyBlobFile(const fs::path& path, const Digest& digest) {
-  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<BlobReader> reader, OpenBlobFile(path, digest));
-  while (true) {
-    COHORT_ASSIGN_OR_RETURN(const std::string piece, reader->Read(kPieceBytes));
-    if (piece.empty()) {
-      return absl::OkStatus();
-    }
-  }
-}
-
-/// Writes ROOT/incoming/NAME; the file is gone after the writer unless Commit renamed it.
-class FileBlobWriter final : public BlobWriter {
- public:
-  FileBlobWriter(FileDescriptor file, fs::path incoming, fs::path root)
-      : file_(std::move(file)), incoming_(std::move(incoming)), root_(std::move(root)) {}
-
-  ~FileBlobWriter() override {
-    if (!renamed_) {
-      ::unlink(incoming_.c_str());  // A failure leaves it to SweepIncoming.
-    }
-  }
-
-  FileBlobWriter(const FileBlobWriter&) = delete;
-  FileBlobWriter& operator=(const FileBlobWriter&) = delete;
-
-  [[nodiscard]] absl::Status Append(std::string_view bytes) override {
-    assert(!committed_);
-    COHORT_RETURN_IF_ERROR(appended_);
-    hash_.Update(bytes);
-    appended_ = WriteAll(file_, bytes, incoming_);
-    return appended_;
-  }
-
-  [[nodiscard]] absl::StatusOr<Digest> Commit() override {
-    assert(!committed_);
-    committed_ = true;
-    COHORT_RETURN_IF_ERROR(appended_);
-    if (::fchmod(file_.Get(), 0444) != 0) {
-      return ErrnoStatus(errno, "make read-only", incoming_);
-    }
-    if (::fdatasync(file_.Get()) != 0) {
-      return ErrnoStatus(errno, "sync", incoming_);
-    }
-    const Digest digest = hash_.Finish();
-    const fs::path path = BlobPath(root_, digest);
-    // A blob that is there is read before it is kept: a task that is run again because its output
-    // was found damaged must mend it. Only bytes that are written twice pay for this.
-    if (!VerifyBlobFile(path, digest).ok()) {
-      if (::rename(incoming_.c_str(), path.c_str()) != 0) {
-        return ErrnoStatus(errno, "rename to " + path.string(), incoming_);
-      }
-      renamed_ = true;
-    }
-    // Also for a blob that was there: its writer may have died before this.
-    COHORT_RETURN_IF_ERROR(SyncFolder(path.parent_path()));
-    return digest;
-  }
-
- private:
-  FileDescriptor file_;
-  fs::path incoming_;
-  fs::path root_;
-  Sha256 hash_;
-  absl::Status appended_;  ///< The first failure: a file with a hole is never committed.
-  bool committed_ = false;
-  bool renamed_ = false;
-};
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<DirectoryBlobStore>> DirectoryBlobStore::Create(
-    const std::filesystem::path& given_root) {
+    const std::filesystem::path& given_root, Durability durability) {
   std::error_code error;
   const fs::path root = fs::absolute(given_root, error).lexically_normal();
   if (!error) {
@@ -202,8 +66,9 @@ absl::StatusOr<std::unique_ptr<DirectoryBlobStore>> DirectoryBlobStore::Create(
   if (error) {
     return ErrnoStatus(error.value(), "create the folder", given_root);
   }
-  COHORT_RETURN_IF_ERROR(EnsureFolder(IncomingFolder(root)));
-  COHORT_RETURN_IF_ERROR(EnsureFolder(BlobsFolder(root)));
+  for (const fs::path& folder : {IncomingFolder(root), DamagedFolder(root), BlobsFolder(root)}) {
+    COHORT_RETURN_IF_ERROR(EnsureFolder(folder));
+  }
   // All folders now, and durable: a blob written later needs only its own folder synced, also when
   // another process made that folder a moment ago.
   constexpr std::string_view kHexDigits = "0123456789abcdef";
@@ -212,32 +77,31 @@ absl::StatusOr<std::unique_ptr<DirectoryBlobStore>> DirectoryBlobStore::Create(
       COHORT_RETURN_IF_ERROR(EnsureFolder(BlobsFolder(root) / std::string{first, second}));
     }
   }
-  for (const fs::path& folder : {BlobsFolder(root), root}) {
-    COHORT_RETURN_IF_ERROR(SyncFolder(folder));
+  if (durability == Durability::kSynced) {
+    COHORT_RETURN_IF_ERROR(SyncFolder(BlobsFolder(root)));
+    COHORT_RETURN_IF_ERROR(SyncFolder(root));
   }
-  return std::unique_ptr<DirectoryBlobStore>(new DirectoryBlobStore(root));
+  return std::unique_ptr<DirectoryBlobStore>(new DirectoryBlobStore(root, durability));
 }
 
 absl::StatusOr<std::unique_ptr<BlobWriter>> DirectoryBlobStore::StartPut() {
-  fs::path incoming = IncomingFolder(root_) / UniqueName();
-  COHORT_ASSIGN_OR_RETURN(FileDescriptor file,
-                          OpenFile(incoming, O_WRONLY | O_CREAT | O_EXCL, 0600));
-  return std::make_unique<FileBlobWriter>(std::move(file), std::move(incoming), root_);
+  return StartBlobFile(root_, durability_);
 }
 
 absl::StatusOr<std::unique_ptr<BlobReader>> DirectoryBlobStore::Open(const Digest& digest) {
   COHORT_ASSIGN_OR_RETURN(const bool there, Contains(digest));
   if (!there) {
-    return absl::NotFoundError("blob '" + digest.Hex() + "' is not in " + root_.string());
+    return WithUnreadableBlob(
+        absl::NotFoundError("blob '" + digest.Hex() + "' is not in " + root_.string()), digest);
   }
-  return OpenBlobFile(PathOf(digest), digest);
+  return OpenBlobFile(root_, digest);
 }
 
 absl::StatusOr<bool> DirectoryBlobStore::Contains(const Digest& digest) {
   if (digest.empty()) {
     return false;
   }
-  const fs::path path = PathOf(digest);
+  const fs::path path = BlobPath(root_, digest);
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0) {
     return S_ISREG(status.st_mode);
@@ -246,6 +110,102 @@ absl::StatusOr<bool> DirectoryBlobStore::Contains(const Digest& digest) {
     return false;
   }
   return ErrnoStatus(errno, "stat", path);
+}
+
+absl::Status DirectoryBlobStore::Visit(
+    const std::function<absl::Status(const StoredBlob&)>& visit) {
+  std::error_code error;
+  for (fs::directory_iterator folder(BlobsFolder(root_), error);
+       !error && folder != fs::directory_iterator(); folder.increment(error)) {
+    std::error_code no_folder;  // Whatever people put there is not ours.
+    for (fs::directory_iterator file(folder->path(), no_folder);
+         !no_folder && file != fs::directory_iterator(); file.increment(no_folder)) {
+      const StoredBlob blob = Describe(file->path());
+      if (!blob.digest.empty()) {
+        COHORT_RETURN_IF_ERROR(visit(blob));
+      }
+    }
+  }
+  return error ? ErrnoStatus(error.value(), "list", BlobsFolder(root_)) : absl::OkStatus();
+}
+
+absl::StatusOr<StoreSpace> DirectoryBlobStore::Space() {
+  struct statvfs status {};
+  if (::statvfs(root_.c_str(), &status) != 0) {
+    return ErrnoStatus(errno, "ask for the free space", root_);
+  }
+  const auto unit = static_cast<int64_t>(status.f_frsize);
+  return StoreSpace{.free_bytes = static_cast<int64_t>(status.f_bavail) * unit,
+                    .total_bytes = static_cast<int64_t>(status.f_blocks) * unit};
+}
+
+absl::StatusOr<bool> DirectoryBlobStore::Renew(const Digest& digest) {
+  if (digest.empty()) {
+    return false;
+  }
+  if (::utimensat(AT_FDCWD, BlobPath(root_, digest).c_str(), nullptr, 0) == 0) {
+    return true;
+  }
+  // Another user's file on a shared folder keeps its age: rather an early collection, which is
+  // found and mended, than an error.
+  return Contains(digest);
+}
+
+absl::StatusOr<bool> DirectoryBlobStore::RemoveIfOlder(const Digest& digest, double age_seconds) {
+  if (digest.empty()) {
+    return false;
+  }
+  const fs::path path = BlobPath(root_, digest);
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0 || AgeOf(status) < age_seconds) {
+    return false;
+  }
+  // Moved aside first and looked at again: whoever has just made it young finds it in its place.
+  const fs::path moved = UniqueIncomingPath(root_);
+  if (::rename(path.c_str(), moved.c_str()) != 0) {
+    return errno == ENOENT ? absl::StatusOr<bool>(false)
+                           : ErrnoStatus(errno, "rename to " + moved.string(), path);
+  }
+  if (::stat(moved.c_str(), &status) == 0 && AgeOf(status) < age_seconds) {
+    COHORT_RETURN_IF_ERROR(PutBack(moved, path));
+    return false;
+  }
+  if (::unlink(moved.c_str()) != 0 && errno != ENOENT) {
+    return ErrnoStatus(errno, "remove", moved);
+  }
+  return true;
+}
+
+absl::Status DirectoryBlobStore::Quarantine(const Digest& digest) {
+  const fs::path path = BlobPath(root_, digest);
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(
+                           std::chrono::system_clock::now().time_since_epoch())
+                           .count();
+  const fs::path kept = DamagedFolder(root_) / (digest.Hex() + "-" + std::to_string(seconds));
+  if (::rename(path.c_str(), kept.c_str()) != 0 && errno != ENOENT) {
+    return ErrnoStatus(errno, "rename to " + kept.string(), path);
+  }
+  return SyncFolder(path.parent_path());
+}
+
+absl::StatusOr<int64_t> DirectoryBlobStore::UploadedBytes(const Digest& digest) {
+  const fs::path path = UploadPath(root_, digest);
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0) {
+    return status.st_size;
+  }
+  if (errno == ENOENT) {
+    return 0;
+  }
+  return ErrnoStatus(errno, "stat", path);
+}
+
+absl::StatusOr<std::unique_ptr<BlobWriter>> DirectoryBlobStore::ResumePut(const Digest& digest,
+                                                                          int64_t offset) {
+  if (digest.empty()) {
+    return absl::InvalidArgumentError("an upload needs the SHA-256 of its bytes");
+  }
+  return ResumeBlobFile(root_, digest, offset);
 }
 
 absl::Status DirectoryBlobStore::SweepIncoming(double age_seconds) {
@@ -264,10 +224,6 @@ absl::Status DirectoryBlobStore::SweepIncoming(double age_seconds) {
     }
   }
   return error ? ErrnoStatus(error.value(), "list", incoming) : absl::OkStatus();
-}
-
-std::filesystem::path DirectoryBlobStore::PathOf(const Digest& digest) const {
-  return BlobPath(root_, digest);
 }
 
 }  // namespace cohort

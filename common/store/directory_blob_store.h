@@ -5,7 +5,8 @@
 
 #include <absl/status/statusor.h>
 
-#include "common/store/blob_store.h"
+#include "common/store/file_blob.h"
+#include "common/store/managed_blob_store.h"
 
 namespace cohort {
 
@@ -13,27 +14,39 @@ namespace cohort {
 ///
 /// A blob is written aside (ROOT/incoming), fsynced, renamed, and its folder fsynced. Several
 /// processes may use one root at once. Files left in ROOT/incoming by dead processes are removed by
-/// SweepIncoming.
-class DirectoryBlobStore final : public BlobStore {
+/// SweepIncoming. Damaged blobs are moved to ROOT/damaged/<64 hex>-<time>. A blob's age is that of
+/// its file.
+class DirectoryBlobStore final : public ManagedBlobStore {
  public:
   /// Creates the folders that are missing.
   /// @return kPermissionDenied / kResourceExhausted / kUnavailable naming the path and the reason.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<DirectoryBlobStore>> Create(
-      const std::filesystem::path& root);
+      const std::filesystem::path& root, Durability durability = Durability::kSynced);
 
   [[nodiscard]] absl::StatusOr<std::unique_ptr<BlobWriter>> StartPut() override;
   [[nodiscard]] absl::StatusOr<std::unique_ptr<BlobReader>> Open(const Digest& digest) override;
   [[nodiscard]] absl::StatusOr<bool> Contains(const Digest& digest) override;
 
-  /// Removes unfinished files that were last written before `age_seconds` ago.
-  [[nodiscard]] absl::Status SweepIncoming(double age_seconds);
+  [[nodiscard]] absl::Status Visit(
+      const std::function<absl::Status(const StoredBlob&)>& visit) override;
+  [[nodiscard]] absl::StatusOr<StoreSpace> Space() override;
+  [[nodiscard]] absl::StatusOr<bool> Renew(const Digest& digest) override;
+  [[nodiscard]] absl::StatusOr<bool> RemoveIfOlder(const Digest& digest,
+                                                   double age_seconds) override;
+  [[nodiscard]] absl::StatusOr<int64_t> UploadedBytes(const Digest& digest) override;
+  [[nodiscard]] absl::StatusOr<std::unique_ptr<BlobWriter>> ResumePut(const Digest& digest,
+                                                                      int64_t offset) override;
+  [[nodiscard]] absl::Status SweepIncoming(double age_seconds) override;
 
   [[nodiscard]] const std::filesystem::path& Root() const { return root_; }
 
  private:
-  explicit DirectoryBlobStore(std::filesystem::path root) : root_(std::move(root)) {}
-  [[nodiscard]] std::filesystem::path PathOf(const Digest& digest) const;
+  DirectoryBlobStore(std::filesystem::path root, Durability durability)
+      : root_(std::move(root)), durability_(durability) {}
+  [[nodiscard]] absl::Status Quarantine(const Digest& digest) override;
+
   std::filesystem::path root_;
+  Durability durability_;
 };
 
 }  // namespace cohort

@@ -124,7 +124,7 @@ TEST_F(CoordinatorTest, WhatIsKnownButGoneFromTheStoreIsComputedAgain) {
   const Job first = Submit("", false);
   const int tasks = Work("w");
   const Digest lost = coordinator_->GetOutputs(first.id)->tiles.at(0);
-  store_.Remove(lost);
+  ASSERT_THAT(store_.Remove(lost), IsOk());
   const Job again = Submit("", false);
   EXPECT_FALSE(IsFinal(again.state));
   EXPECT_EQ(Work("w"), 1);
