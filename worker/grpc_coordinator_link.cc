@@ -6,6 +6,7 @@
 #include "common/rpc/channel.h"
 #include "common/rpc/convert.h"
 #include "common/rpc/grpc_status.h"
+#include "common/store/blob_damage.h"
 
 namespace cohort {
 namespace {
@@ -94,6 +95,9 @@ absl::Status GrpcCoordinatorLink::FailTask(const WorkerId& worker,
   *request.mutable_lease() = ToProto(lease);
   request.set_code(static_cast<int>(failure.code()));
   request.set_message(std::string(failure.message()));
+  if (const std::optional<Digest> blob = UnreadableBlob(failure)) {
+    request.set_blob_sha256(blob->Hex());
+  }
   v1::FailTaskResponse response;
   grpc::ClientContext context;
   SetDeadline(context, kUnaryDeadlineSeconds);

@@ -169,7 +169,9 @@ void WorkerLoop::Report(const Lease& lease,
       if (!result.ok()) {
         return;
       }
-      result = said;  // The server does not take this result: the task has failed here.
+      // The server does not take this result: the task has failed here. If its output is not in the
+      // store (any more), another try may help.
+      result = ErrorReason(said) == "BLOB_MISSING" ? absl::AbortedError(said.message()) : said;
       continue;
     }
     MutexLock lock(mutex_);

@@ -51,6 +51,7 @@ nlohmann::json JobToJson(const Job& job) {
       {"tasks_reused", job.progress.tasks_reused},
       {"tasks_given_up", job.progress.tasks_given_up},
       {"percent", PercentDone(job)},
+      {"waiting_for", job.progress.waiting_for},
       {"created", TimeOrNull(job.created_unix_ms)},
       {"started", TimeOrNull(job.started_unix_ms)},
       {"finished", TimeOrNull(job.finished_unix_ms)},
@@ -82,6 +83,9 @@ std::string JobToText(const Job& job) {
   if (job.progress.tasks_given_up > 0) {
     text += fmt::format("  {} tasks failed; once the job has ended: cohort retry {}\n",
                         job.progress.tasks_given_up, job.id.value);
+  }
+  if (!job.progress.waiting_for.empty()) {
+    text += "  waiting: " + job.progress.waiting_for + "\n";
   }
   if (!job.error.empty()) {
     text += "  error: " + job.error + "\n";

@@ -62,6 +62,10 @@ void ProgressLine::Say(const std::string& text) {
 }
 
 void ProgressLine::Show(const Job& job, double elapsed_seconds) {
+  if (job.progress.waiting_for != waiting_for_) {
+    waiting_for_ = job.progress.waiting_for;
+    Say(waiting_for_.empty() ? "going on" : "waiting: " + waiting_for_);
+  }
   if (is_terminal_) {
     std::fprintf(out_, "\r\x1b[K%s", FormatProgress(job, elapsed_seconds, kBarWidth).c_str());
     std::fflush(out_);

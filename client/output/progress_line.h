@@ -27,6 +27,7 @@ class ProgressLine {
   const bool is_terminal_;
   bool open_ = false;  ///< The terminal's line has text.
   std::string stage_;
+  std::string waiting_for_;
   int tenth_ = -1;
 };
 

@@ -55,6 +55,7 @@ struct Progress {
   std::vector<StageTime> stages;  ///< Begun so far, in that order; never part of a result.
   int64_t tasks_reused = 0;       ///< Of those done: known from an earlier job.
   int64_t tasks_given_up = 0;     ///< Failed too often; the job cannot succeed without them.
+  std::string waiting_for;        ///< Why the server hands out no task; empty: it does.
 };
 
 /// What all meshes of a job were brought to, so that a later job can add to them.

@@ -81,6 +81,7 @@ v1::Progress ToProto(const Progress& progress) {
   wire.set_cost_total(progress.cost_total);
   wire.set_tasks_reused(progress.tasks_reused);
   wire.set_tasks_given_up(progress.tasks_given_up);
+  wire.set_waiting_for(progress.waiting_for);
   for (const StageTime& stage : progress.stages) {
     auto* added = wire.add_stages();
     added->set_name(stage.name);
@@ -98,7 +99,8 @@ Progress FromProto(const v1::Progress& wire) {
                        .cost_total = wire.cost_total(),
                        .stages = {},
                        .tasks_reused = wire.tasks_reused(),
-                       .tasks_given_up = wire.tasks_given_up()};
+                       .tasks_given_up = wire.tasks_given_up(),
+                       .waiting_for = wire.waiting_for()};
   for (const v1::StageTime& stage : wire.stages()) {
     progress.stages.push_back({.name = stage.name(),
                                .started_unix_ms = stage.started_unix_ms(),

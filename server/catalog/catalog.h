@@ -137,9 +137,11 @@ class Catalog {
   /// @return kNotFound naming the job that is missing.
   [[nodiscard]] absl::Status SaveCompletions(std::span<const Completion> completions,
                                              int64_t now_unix_ms);
+  static constexpr int64_t kAnyTime = -1;
   /// Results remembered under any of `keys`; keys that are not known are left out.
+  /// @param created_after_unix_ms  only results made later than that.
   [[nodiscard]] absl::StatusOr<std::map<std::string, TaskResult>> FindActions(
-      const std::vector<std::string>& keys);
+      const std::vector<std::string>& keys, int64_t created_after_unix_ms = kAnyTime);
 
   /// Removes a job with its meshes and tasks; what others share (ingested meshes, remembered
   /// results) stays. Its id is never given out again.

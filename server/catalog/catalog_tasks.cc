@@ -108,6 +108,7 @@ absl::Status SelectTasks(soci::session& sql,
 
 absl::Status SelectActions(soci::session& sql,
                            std::span<const std::string> keys,
+                           int64_t created_after_unix_ms,
                            std::map<std::string, TaskResult>& found) {
   std::string list;
   for (size_t i = 0; i < keys.size(); ++i) {
@@ -117,12 +118,14 @@ absl::Status SelectActions(soci::session& sql,
   std::string result;
   soci::statement select(sql);
   select.alloc();
-  select.prepare("SELECT action_key, result FROM action WHERE action_key IN (" + list + ")");
+  select.prepare("SELECT action_key, result FROM action WHERE action_key IN (" + list +
+                 ") AND created_unix_ms > :after");
   select.exchange(soci::into(key));
   select.exchange(soci::into(result));
   for (const std::string& wanted : keys) {
     select.exchange(soci::use(wanted));
   }
+  select.exchange(soci::use(created_after_unix_ms));
   select.define_and_bind();
   select.execute();
   while (select.fetch()) {
@@ -192,12 +195,13 @@ absl::Status Catalog::SaveCompletions(std::span<const Completion> completions,
 }
 
 absl::StatusOr<std::map<std::string, TaskResult>> Catalog::FindActions(
-    const std::vector<std::string>& keys) {
+    const std::vector<std::string>& keys, int64_t created_after_unix_ms) {
   std::map<std::string, TaskResult> found;
   for (size_t begin = 0; begin < keys.size(); begin += kKeysPerQuery) {
     const size_t count = std::min(kKeysPerQuery, keys.size() - begin);
     COHORT_RETURN_IF_ERROR(database_->Read([&](soci::session& sql) {
-      return SelectActions(sql, std::span(keys).subspan(begin, count), found);
+      return SelectActions(sql, std::span(keys).subspan(begin, count), created_after_unix_ms,
+                           found);
     }));
   }
   return found;

@@ -8,6 +8,7 @@
 #include "common/jobs/job_state.h"
 #include "server/planning/job_plan.h"
 #include "server/scheduling/number_set.h"
+#include "server/scheduling/scheduler.h"
 
 namespace cohort {
 
@@ -19,6 +20,8 @@ struct ActiveJob {
   NumberSet unlooked;                       ///< Ready tasks; not looked up among known results.
   std::map<int64_t, std::string> given_up;  ///< Tasks that failed too often, and why.
   int64_t reused = 0;                       ///< Tasks whose result was known.
+  /// Attempts at tasks that are not ready again: a damaged blob has put the job back.
+  std::map<int64_t, TaskAttempts> earlier_attempts;
 };
 
 }  // namespace cohort

@@ -44,7 +44,7 @@ absl::StatusOr<int> CheckPageSize(int page_size) {
 
 Coordinator::Coordinator(const CoordinatorOptions& options,
                          Catalog& catalog,
-                         BlobStore& store,
+                         ManagedBlobStore& store,
                          const Clock& clock)
     : options_(options),
       catalog_(catalog),
@@ -54,7 +54,7 @@ Coordinator::Coordinator(const CoordinatorOptions& options,
 
 absl::StatusOr<std::unique_ptr<Coordinator>> Coordinator::Create(const CoordinatorOptions& options,
                                                                  Catalog& catalog,
-                                                                 BlobStore& store,
+                                                                 ManagedBlobStore& store,
                                                                  const Clock& clock) {
   std::unique_ptr<Coordinator> coordinator(new Coordinator(options, catalog, store, clock));
   COHORT_RETURN_IF_ERROR(coordinator->Recover());
@@ -64,7 +64,7 @@ absl::StatusOr<std::unique_ptr<Coordinator>> Coordinator::Create(const Coordinat
 absl::StatusOr<SetMesh> Coordinator::AddMesh(const std::string& set, const SetMesh& mesh) {
   COHORT_RETURN_IF_ERROR(CheckName(set, "set"));
   COHORT_RETURN_IF_ERROR(CheckName(mesh.name, "mesh"));
-  COHORT_ASSIGN_OR_RETURN(const bool exists, store_.Contains(mesh.raw));
+  COHORT_ASSIGN_OR_RETURN(const bool exists, store_.Renew(mesh.raw));
   if (!exists) {
     return WithReason(absl::FailedPreconditionError("mesh " + mesh.name + ": the server has no " +
                                                     mesh.raw.Hex() + "; send the bytes"),
@@ -77,7 +77,7 @@ absl::StatusOr<SetMesh> Coordinator::AddMesh(const std::string& set, const SetMe
 absl::StatusOr<std::vector<Digest>> Coordinator::FindMissing(const std::vector<Digest>& digests) {
   std::vector<Digest> missing;
   for (const Digest& digest : digests) {
-    COHORT_ASSIGN_OR_RETURN(const bool exists, store_.Contains(digest));
+    COHORT_ASSIGN_OR_RETURN(const bool exists, store_.Renew(digest));
     if (!exists) {
       missing.push_back(digest);
     }
@@ -109,7 +109,7 @@ absl::Status Coordinator::CheckLandmarks(const JobSpec& spec) {
   if (spec.landmarks.empty()) {
     return absl::OkStatus();
   }
-  COHORT_ASSIGN_OR_RETURN(const bool exists, store_.Contains(spec.landmarks));
+  COHORT_ASSIGN_OR_RETURN(const bool exists, store_.Renew(spec.landmarks));
   return exists ? absl::OkStatus()
                 : WithReason(absl::FailedPreconditionError("landmarks: the server has no " +
                                                            spec.landmarks.Hex() +
@@ -121,6 +121,7 @@ absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
                                            const JobSpec& spec,
                                            const std::string& request_id) {
   COHORT_RETURN_IF_ERROR(spec.Validate());
+  COHORT_RETURN_IF_ERROR(CheckSpace());
   COHORT_RETURN_IF_ERROR(CheckLandmarks(spec));
   std::vector<SetMesh> meshes;
   std::string token;
@@ -232,7 +233,7 @@ absl::Status Coordinator::GetMatrix(const JobId& id,
                                     Metric metric,
                                     const std::function<bool(const MatrixBlock&)>& consume) {
   COHORT_ASSIGN_OR_RETURN(const JobOutputs outputs, GetOutputs(id));
-  return ForEachMatrixBlock(store_, outputs, metric, consume);
+  return ExplainDamage(id, ForEachMatrixBlock(store_, outputs, metric, consume));
 }
 
 absl::Status Coordinator::GetPreview(const JobId& id,
@@ -250,7 +251,7 @@ absl::Status Coordinator::GetPreview(const JobId& id,
                           " and has not come to its preview, which follows the alignments"),
                       "JOB_NOT_FINISHED");
   }
-  return ForEachPreviewBlock(store_, outputs, consume);
+  return ExplainDamage(id, ForEachPreviewBlock(store_, outputs, consume));
 }
 
 absl::StatusOr<JobOutputs> Coordinator::OutputsSoFar(const JobId& id) {

@@ -19,10 +19,12 @@
 #include "common/jobs/task.h"
 #include "common/jobs/worker_protocol.h"
 #include "common/jobs/worker_status.h"
-#include "common/store/blob_store.h"
+#include "common/store/managed_blob_store.h"
 #include "server/catalog/catalog.h"
 #include "server/core/active_job.h"
+#include "server/core/garbage.h"
 #include "server/core/reference_frame.h"
+#include "server/core/store_reserve.h"
 #include "server/results/matrix_builder.h"
 #include "server/scheduling/scheduler.h"
 
@@ -32,6 +34,7 @@ struct CoordinatorOptions {
   SchedulerOptions scheduler;
   std::string build;      ///< Workers of another build are refused.
   int most_waiting = 64;  ///< Workers that may wait for a task inside a call; others call again.
+  StoreReserve reserve;
 };
 
 /// Hears of every change of a job. Called without any lock held, possibly from several threads.
@@ -50,7 +53,10 @@ class Coordinator {
  public:
   /// Takes up the unfinished jobs of the catalog; their workers have one lease time to report in.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<Coordinator>> Create(
-      const CoordinatorOptions& options, Catalog& catalog, BlobStore& store, const Clock& clock);
+      const CoordinatorOptions& options,
+      Catalog& catalog,
+      ManagedBlobStore& store,
+      const Clock& clock);
 
   /// Set before the first call, or null.
   void SetObserver(JobObserver* observer) { observer_ = observer; }
@@ -59,6 +65,7 @@ class Coordinator {
   /// @return kInvalidArgument for a bad name; kFailedPrecondition (BLOB_MISSING) if the bytes are
   ///         not in the store; kAlreadyExists if the set has other bytes under that name.
   [[nodiscard]] absl::StatusOr<SetMesh> AddMesh(const std::string& set, const SetMesh& mesh);
+  /// What is there stays for a day at least, also if no mesh is made of it.
   [[nodiscard]] absl::StatusOr<std::vector<Digest>> FindMissing(const std::vector<Digest>& digests);
   [[nodiscard]] absl::StatusOr<Page<SetMesh>> ListMeshes(const std::string& set,
                                                          int page_size,
@@ -70,7 +77,8 @@ class Coordinator {
   [[nodiscard]] absl::Status DeleteSet(const std::string& set);
 
   // Jobs.
-  /// @return also kFailedPrecondition (BLOB_MISSING) if the spec's landmarks are not in the store.
+  /// @return also kFailedPrecondition (BLOB_MISSING) if the spec's landmarks are not in the store;
+  ///         as CheckSpace.
   [[nodiscard]] absl::StatusOr<Job> CreateJob(const std::string& set,
                                               const JobSpec& spec,
                                               const std::string& request_id);
@@ -90,7 +98,8 @@ class Coordinator {
   /// @return kFailedPrecondition (JOB_NOT_FINISHED).
   [[nodiscard]] absl::Status DeleteJob(const JobId& id);
 
-  // Results.
+  // Results. A blob that cannot be read ends in kDataLoss (BLOB_DAMAGED), which names it and says
+  // what to do; it is moved aside, so that the job submitted again makes it again.
   [[nodiscard]] absl::StatusOr<std::vector<JobMesh>> GetJobMeshes(const JobId& id);
   /// @return kFailedPrecondition (JOB_NOT_FINISHED) unless the job has succeeded.
   [[nodiscard]] absl::StatusOr<JobOutputs> GetOutputs(const JobId& id);
@@ -118,7 +127,9 @@ class Coordinator {
                                                   const TaskResult& result);
   [[nodiscard]] absl::Status ReleaseTask(const WorkerId& worker, const Lease& lease);
   /// A task that fails too often is given up; the job goes on with the others and fails once
-  /// nothing is left that could be done.
+  /// nothing is left that could be done. Two failures are not the task's and do not count: the
+  /// store is full, or it has lost a blob that the task reads (UnreadableBlob of `failure`; the
+  /// store is asked). Then the job goes back to where the blob is made.
   [[nodiscard]] absl::Status FailTask(const WorkerId& worker,
                                       const Lease& lease,
                                       const absl::Status& failure);
@@ -133,7 +144,13 @@ class Coordinator {
   /// Ends all waiting Synchronize calls at once and refuses to grant from then on.
   void Stop();
 
-  [[nodiscard]] BlobStore& Store() { return store_; }
+  // The store.
+  /// @return kResourceExhausted (STORE_FULL), naming the numbers, if the store has less free space
+  ///         than its reserve: nothing new is taken in or begun until it has.
+  [[nodiscard]] absl::Status CheckSpace();
+  /// @return as garbage.h.
+  [[nodiscard]] absl::StatusOr<GarbageCount> CollectGarbage(const GarbageOptions& options);
+  [[nodiscard]] ManagedBlobStore& Store() { return store_; }
 
  private:
   /// A result that waits for the lock, with those of other calls.
@@ -159,7 +176,7 @@ class Coordinator {
 
   Coordinator(const CoordinatorOptions& options,
               Catalog& catalog,
-              BlobStore& store,
+              ManagedBlobStore& store,
               const Clock& clock);
 
   // Jobs.
@@ -169,7 +186,7 @@ class Coordinator {
   absl::Status Advance(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Looks the next ready tasks up among known results, finishes those and schedules the others.
   absl::Status LookUp(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  /// The result of a task as an earlier job had it, if its blobs are still there.
+  /// The results of tasks as they are remembered, if their blobs are still there.
   absl::StatusOr<std::map<int64_t, TaskResult>> FindKnown(const ActiveJob& active,
                                                           const std::vector<Task>& tasks)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -178,6 +195,10 @@ class Coordinator {
   /// The job's end if no task of it can be done any more.
   absl::Status EndIfStuck(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status EndJob(ActiveJob& active, JobState state, const std::string& error)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Results that the plan cannot take yet, because one before them was lost: they are to be found
+  /// again by action key, when it is known that the task is the same.
+  absl::Status PutBack(ActiveJob& active, const std::vector<TaskRecord>& records)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<Job> SetPaused(const JobId& id, JobState state);
   void ServeJob(const ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -220,12 +241,28 @@ class Coordinator {
   absl::Status GiveUp(const std::vector<TaskId>& tasks, const std::string& why)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status CheckOutputs(const TaskResult& result);
+
+  // The store; coordinator_store.cc.
+  /// A worker could not read an input of its task.
+  /// @return true: it has been seen to. False: the store has the blob; the task has failed.
+  absl::StatusOr<bool> HandleDamagedBlob(const Lease& lease, const Digest& blob);
+  /// Puts the job back to where the blob is made; false if none of its tasks makes it.
+  absl::StatusOr<bool> MakeAgain(ActiveJob& active, const Digest& blob)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Drops what is in memory of a job and recovers it from the catalog; if that fails, Tick tries
+  /// again.
+  void TakeUpAgain(const Job& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status TakeUpStanding() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Of a read of results: what people are to know and do if a blob is lost.
+  absl::Status ExplainDamage(const JobId& id, const absl::Status& read);
+  /// Tells active jobs that they wait for space, or no longer do.
+  void NoteSpace(const absl::Status& space) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// A running job's, if the task is one of its current step and not done.
   ActiveJob* FindOpen(const TaskId& task) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const CoordinatorOptions options_;
   Catalog& catalog_;
-  BlobStore& store_;
+  ManagedBlobStore& store_;
   const Clock& clock_;
   JobObserver* observer_ = nullptr;
 
@@ -235,7 +272,10 @@ class Coordinator {
   std::map<JobId, ActiveJob> active_ ABSL_GUARDED_BY(mutex_);
   std::vector<Job> changes_ ABSL_GUARDED_BY(mutex_);
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
-  int waiting_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Calls that wait for `work_`.
+  int waiting_ ABSL_GUARDED_BY(mutex_) = 0;           ///< Calls that wait for `work_`.
+  std::string no_space_ ABSL_GUARDED_BY(mutex_);      ///< Why nothing is handed out; empty: it is.
+  std::set<JobId> standing_ ABSL_GUARDED_BY(mutex_);  ///< Not final, and not in `active_` either.
+  std::map<Digest, int> times_damaged_ ABSL_GUARDED_BY(mutex_);
   std::map<WorkerId, WorkerStatus> workers_ ABSL_GUARDED_BY(mutex_);
   std::map<WorkerId, MonotonicTime> last_seen_ ABSL_GUARDED_BY(mutex_);
 

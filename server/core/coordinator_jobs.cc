@@ -75,28 +75,37 @@ absl::Status Coordinator::RecoverJob(const Job& job) {
   // A task has a higher number than those it needs: in number order the plan can take all results.
   absl::Status verdict;
   std::vector<TaskRecord> begun;
+  std::vector<TaskRecord> too_early;
   COHORT_RETURN_IF_ERROR(catalog_.VisitTasks(job.id, [&](const TaskRecord& record) {
     if (!record.result) {
       begun.push_back(record);
     } else if (verdict.ok()) {
-      verdict = active.plan->TaskFinished(record.number, *record.result);
+      const absl::Status taken = active.plan->TaskFinished(record.number, *record.result);
+      if (absl::IsNotFound(taken)) {
+        too_early.push_back(record);
+        too_early.back().result.reset();
+      } else {
+        verdict = taken;
+      }
     }
     return absl::OkStatus();
   }));
   if (!verdict.ok()) {
     return EndJob(active, JobState::kFailed, std::string(verdict.message()));
   }
+  COHORT_RETURN_IF_ERROR(PutBack(active, too_early));
   for (const TaskRange& range : active.plan->TakeReady()) {
     active.unlooked.InsertRange(range.first, range.count);
   }
   for (const TaskRecord& record : begun) {
-    if (!active.unlooked.Contains(record.number)) {
-      continue;
-    }
-    active.unlooked.Erase(record.number);
     const TaskId id{.job = job.id, .number = record.number};
     const TaskAttempts attempts{
         .epoch = record.epoch, .failures = record.failures, .losses = record.losses};
+    if (!active.unlooked.Contains(record.number)) {
+      active.earlier_attempts[record.number] = attempts;
+      continue;
+    }
+    active.unlooked.Erase(record.number);
     if (record.given_up) {
       active.given_up.emplace(record.number, record.last_error);
     } else if (record.worker.empty()) {
@@ -129,32 +138,36 @@ absl::Status Coordinator::LookUp(ActiveJob& active) {
   std::vector<int64_t> numbers;
   active.unlooked.ForEachOfFirst(kTasksPerLookUp,
                                  [&](int64_t number) { numbers.push_back(number); });
-  std::map<int64_t, TaskResult> known;
-  if (!active.job.spec.fresh) {
-    std::vector<Task> tasks;
-    tasks.reserve(numbers.size());
-    for (const int64_t number : numbers) {
+  std::vector<Task> tasks;
+  for (const int64_t number : numbers) {
+    // What a fresh job may know is what it has done itself, before it was put back.
+    if (!active.job.spec.fresh || active.earlier_attempts.contains(number)) {
       tasks.push_back(active.plan->MakeTask(number));
     }
-    COHORT_ASSIGN_OR_RETURN(known, FindKnown(active, tasks));
   }
+  COHORT_ASSIGN_OR_RETURN(const auto known, FindKnown(active, tasks));
   std::vector<JobTask> records;
   for (const int64_t number : numbers) {
     active.unlooked.Erase(number);
+    TaskAttempts attempts;
+    if (const auto earlier = active.earlier_attempts.extract(number); !earlier.empty()) {
+      attempts = earlier.mapped();
+    }
     const auto found = known.find(number);
     if (found == known.end()) {
-      scheduler_.AddTask({.job = active.job.id, .number = number});
+      scheduler_.AddTask({.job = active.job.id, .number = number}, attempts);
       continue;
     }
+    active.reused += attempts.epoch == 0 ? 1 : 0;
     TaskRecord record;
     record.number = number;
+    record.epoch = attempts.epoch;
     record.result = found->second;
     records.push_back({.job = active.job.id, .task = std::move(record)});
   }
   if (records.empty()) {
     return absl::OkStatus();
   }
-  active.reused += std::ssize(records);
   COHORT_RETURN_IF_ERROR(catalog_.SaveTasks(records, {}));
   for (const JobTask& record : records) {
     const absl::Status verdict = active.plan->TaskFinished(record.task.number, *record.task.result);
@@ -171,8 +184,12 @@ absl::StatusOr<std::map<int64_t, TaskResult>> Coordinator::FindKnown(
   std::map<int64_t, TaskResult> known;
   std::map<std::string, int64_t> number_of;
   std::vector<std::string> keys;
+  const bool fresh = active.job.spec.fresh;
   for (const Task& task : tasks) {
     if (task.kind == TaskKind::kIngest) {
+      if (fresh) {
+        continue;  // Nobody knows when it was done.
+      }
       COHORT_ASSIGN_OR_RETURN(std::optional<TaskResult> result, FindIngested(task));
       if (result) {
         known.emplace(task.number, *std::move(result));
@@ -182,7 +199,9 @@ absl::StatusOr<std::map<int64_t, TaskResult>> Coordinator::FindKnown(
     keys.push_back(ActionKey(task));
     number_of[keys.back()] = task.number;
   }
-  COHORT_ASSIGN_OR_RETURN(const auto actions, catalog_.FindActions(keys));
+  COHORT_ASSIGN_OR_RETURN(
+      const auto actions,
+      catalog_.FindActions(keys, fresh ? active.job.created_unix_ms : Catalog::kAnyTime));
   for (const auto& [key, result] : actions) {
     const int64_t number = number_of.at(key);
     // A blob that is gone makes the result unknown; so would one that does not fit.
@@ -225,6 +244,7 @@ absl::Status Coordinator::EndJob(ActiveJob& active, JobState state, const std::s
   if (state == JobState::kSucceeded && ended.started_unix_ms == 0) {
     ended.started_unix_ms = ended.created_unix_ms;  // All was known.
   }
+  ended.progress.waiting_for.clear();
   UpdateProgress(active, ended);
   ended.counters = active.plan->TotalCounters();
   ++ended.version;
@@ -345,6 +365,7 @@ void Coordinator::ServeJob(const ActiveJob& active) {
 void Coordinator::UpdateProgress(const ActiveJob& active, Job& job) {
   Progress progress = active.plan->CurrentProgress();
   progress.stages = std::move(job.progress.stages);
+  progress.waiting_for = std::move(job.progress.waiting_for);
   progress.tasks_reused = active.reused;
   progress.tasks_given_up = std::ssize(active.given_up);
   job.progress = std::move(progress);

@@ -11,6 +11,7 @@
 #include "common/base/error_reason.h"
 #include "common/base/status_macros.h"
 #include "common/jobs/action_key.h"
+#include "common/store/blob_damage.h"
 #include "server/core/coordinator.h"
 
 namespace cohort {
@@ -109,7 +110,7 @@ void Coordinator::AnswerReports() {
           absl::CancelledError(absl::StrCat("worker ", queued->report.worker.value, " has gone"));
       continue;
     }
-    if (!stopping_ && !queued->report.draining && !renewal.is_wedged) {
+    if (!stopping_ && no_space_.empty() && !queued->report.draining && !renewal.is_wedged) {
       for (const Lease& lease : GrantTasks(queued->report, now)) {
         AddGrant(lease, *queued, write);
       }
@@ -353,6 +354,16 @@ absl::Status Coordinator::ReleaseTask(const WorkerId& worker, const Lease& lease
 absl::Status Coordinator::FailTask(const WorkerId& worker,
                                    const Lease& lease,
                                    const absl::Status& failure) {
+  const std::optional<Digest> unreadable = UnreadableBlob(failure);
+  if (unreadable) {
+    COHORT_ASSIGN_OR_RETURN(const bool is_seen_to, HandleDamagedBlob(lease, *unreadable));
+    if (is_seen_to) {
+      return absl::OkStatus();
+    }
+  }
+  if (absl::IsResourceExhausted(failure) && !CheckSpace().ok()) {
+    return ReleaseTask(worker, lease);
+  }
   std::vector<Job> changes;
   {
     const MutexLock lock(mutex_);
@@ -365,7 +376,8 @@ absl::Status Coordinator::FailTask(const WorkerId& worker,
       ++status->second.tasks_failed;
     }
     const std::string message(failure.message());
-    if (scheduler_.Fail(lease, IsRetryable(failure.code()), clock_.Now())) {
+    const bool is_retryable = unreadable.has_value() || IsRetryable(failure.code());
+    if (scheduler_.Fail(lease, is_retryable, clock_.Now())) {
       COHORT_RETURN_IF_ERROR(GiveUp({lease.task}, ": " + message));
     } else {
       TaskRecord record = RecordOf(lease.task.number, scheduler_.AttemptsOf(lease.task));
@@ -426,11 +438,14 @@ std::vector<WorkerStatus> Coordinator::ListWorkers() {
 absl::Status Coordinator::Tick() {
   std::vector<Job> changes;
   absl::Status status;
+  const absl::Status space = CheckSpace();
   {
     const MutexLock lock(mutex_);
+    NoteSpace(space);
+    status = TakeUpStanding();
     const MonotonicTime now = clock_.Now();
-    status = GiveUp(scheduler_.Expire(now),
-                    " was lost with too many workers; see their logs (out of memory?)");
+    status.Update(GiveUp(scheduler_.Expire(now),
+                         " was lost with too many workers; see their logs (out of memory?)"));
     for (auto& [id, active] : active_) {
       if (!IsFinal(active.job.state)) {
         status.Update(Advance(active));

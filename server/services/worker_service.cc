@@ -4,6 +4,7 @@
 
 #include "common/rpc/convert.h"
 #include "common/rpc/grpc_status.h"
+#include "common/store/blob_damage.h"
 
 namespace cohort {
 namespace {
@@ -72,7 +73,14 @@ grpc::Status WorkerServiceSkin::ReleaseTask(grpc::ServerContext* /*context*/,
 grpc::Status WorkerServiceSkin::FailTask(grpc::ServerContext* /*context*/,
                                          const v1::FailTaskRequest* request,
                                          v1::FailTaskResponse* /*response*/) {
-  const absl::Status failure(static_cast<absl::StatusCode>(request->code()), request->message());
+  absl::Status failure(static_cast<absl::StatusCode>(request->code()), request->message());
+  if (!request->blob_sha256().empty()) {
+    const absl::StatusOr<Digest> blob = Digest::FromHex(request->blob_sha256());
+    if (!blob.ok()) {
+      return ToGrpcStatus(blob.status());
+    }
+    failure = WithUnreadableBlob(failure, *blob);
+  }
   return ToGrpcStatus(
       coordinator_.FailTask(WorkerId{request->worker()}, FromProto(request->lease()), failure));
 }
