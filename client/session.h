@@ -24,6 +24,8 @@ namespace cohort {
 /// unreachable server is kUnavailable and names the address. Not thread-safe.
 class Session {
  public:
+  static constexpr double kUploadPatienceSeconds = 120;
+
   /// @param address  HOST:PORT or unix:PATH.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<Session>> Open(const std::string& address);
 
@@ -35,6 +37,16 @@ class Session {
   [[nodiscard]] absl::Status AddMesh(const std::string& set,
                                      const SetMesh& mesh,
                                      const std::string& path);
+  /// Sends the bytes of a mesh file. Goes on where it was when the connection breaks or the server
+  /// is started again, as long as it gets on at least once in `patience_seconds`.
+  /// @return kUnavailable after that; kDataLoss if the file no longer has the mesh's digest.
+  [[nodiscard]] absl::Status UploadFile(const SetMesh& mesh,
+                                        const std::string& path,
+                                        double patience_seconds = kUploadPatienceSeconds);
+  /// Makes a call that may be repeated until the server answers it.
+  /// @return kUnavailable after `patience_seconds`.
+  [[nodiscard]] absl::Status Persist(const std::function<absl::Status()>& call,
+                                     double patience_seconds = kUploadPatienceSeconds);
   [[nodiscard]] absl::StatusOr<std::vector<SetMesh>> ListMeshes(const std::string& set);
   [[nodiscard]] absl::Status RemoveMesh(const std::string& set, const std::string& name);
   [[nodiscard]] absl::Status DeleteSet(const std::string& set);
@@ -73,6 +85,8 @@ class Session {
 
  private:
   Session(std::shared_ptr<grpc::Channel> channel, const std::string& address);
+  /// One connection's part of UploadFile. @param committed  what the server had at its start.
+  absl::Status UploadOnce(const SetMesh& mesh, const std::string& path, int64_t& committed);
   /// One stream until it breaks; `last` is the newest state seen.
   absl::Status WatchOnce(const JobId& id,
                          const std::function<bool(const Job&)>& on_change,

@@ -4,10 +4,24 @@
 #include <utility>
 
 #include "client/files.h"
+#include "common/base/error_reason.h"
 #include "common/base/status_macros.h"
 #include "common/base/utf8.h"
 
 namespace cohort {
+namespace {
+
+/// Adds a mesh whose bytes the server has; sends them if it has lost them meanwhile.
+absl::Status AddUploaded(Session& session, const std::string& set, const MeshFile& file) {
+  const absl::Status added = session.Persist([&] { return session.AddMesh(set, file.mesh, ""); });
+  if (ErrorReason(added) != "BLOB_MISSING") {
+    return added;
+  }
+  COHORT_RETURN_IF_ERROR(session.UploadFile(file.mesh, file.path.string()));
+  return session.AddMesh(set, file.mesh, "");
+}
+
+}  // namespace
 
 absl::StatusOr<std::vector<MeshFile>> DescribeFiles(const std::vector<std::filesystem::path>& files,
                                                     const Labels& labels) {
@@ -57,7 +71,10 @@ absl::StatusOr<UploadCounts> Upload(Session& session,
   UploadCounts counts;
   for (const MeshFile& file : files) {
     const bool send = to_send.erase(file.mesh.raw) > 0;
-    COHORT_RETURN_IF_ERROR(session.AddMesh(set, file.mesh, send ? file.path.string() : ""));
+    if (send) {
+      COHORT_RETURN_IF_ERROR(session.UploadFile(file.mesh, file.path.string()));
+    }
+    COHORT_RETURN_IF_ERROR(AddUploaded(session, set, file));
     ++(send ? counts.sent : counts.known);
   }
   return counts;

@@ -68,11 +68,11 @@ absl::Status WritePortFile(const std::string& path, const std::vector<std::strin
 }  // namespace
 
 struct Server::Services {
-  Services(Coordinator& coordinator, BlobStore& store)
+  explicit Services(Coordinator& coordinator)
       : mesh(coordinator),
         job(coordinator, hub),
         result(coordinator),
-        blob(store),
+        blob(coordinator),
         worker(coordinator),
         admin(coordinator) {
     coordinator.SetObserver(&hub);
@@ -122,7 +122,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   COHORT_ASSIGN_OR_RETURN(
       server->coordinator_,
       Coordinator::Create(core, *server->catalog_, *server->store_, server->clock_));
-  server->services_ = std::make_unique<Services>(*server->coordinator_, *server->store_);
+  server->services_ = std::make_unique<Services>(*server->coordinator_);
   COHORT_RETURN_IF_ERROR(server->Listen(options));
   server->ticking_ =
       std::jthread([raw = server.get()](const std::stop_token& stop) { raw->TickUntil(stop); });

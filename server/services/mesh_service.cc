@@ -71,6 +71,7 @@ grpc::Status MeshServiceSkin::AddMesh(grpc::ServerContext* /*context*/,
 absl::Status MeshServiceSkin::ReceiveBytes(const v1::AddMeshRequest& first,
                                            grpc::ServerReader<v1::AddMeshRequest>& reader,
                                            const SetMesh& mesh) {
+  COHORT_RETURN_IF_ERROR(coordinator_.CheckSpace());
   COHORT_ASSIGN_OR_RETURN(std::unique_ptr<BlobWriter> writer, coordinator_.Store().StartPut());
   v1::AddMeshRequest message = first;
   int64_t received = 0;
