@@ -47,6 +47,7 @@ int Dispatch(int argc, char** argv) {
   AddManageCommands(app, action);
   AddWorkersCommand(app, action);
   AddTopCommand(app, action);
+  AddGcCommand(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

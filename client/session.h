@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,9 @@ class Session {
   [[nodiscard]] absl::Status UploadFile(const SetMesh& mesh,
                                         const std::string& path,
                                         double patience_seconds = kUploadPatienceSeconds);
+  /// Has the server remove blobs that nothing needs; empty options: as the server was started.
+  [[nodiscard]] absl::StatusOr<v1::CollectGarbageResponse> CollectGarbage(
+      std::optional<double> age_hours, std::optional<double> remember_days);
   /// Makes a call that may be repeated until the server answers it.
   /// @return kUnavailable after `patience_seconds`.
   [[nodiscard]] absl::Status Persist(const std::function<absl::Status()>& call,
@@ -85,8 +89,10 @@ class Session {
 
  private:
   Session(std::shared_ptr<grpc::Channel> channel, const std::string& address);
-  /// One connection's part of UploadFile. @param committed  what the server had at its start.
-  absl::Status UploadOnce(const SetMesh& mesh, const std::string& path, int64_t& committed);
+  /// What the server has of a file; -1: all of it.
+  absl::StatusOr<int64_t> UploadedBytes(const SetMesh& mesh);
+  /// One connection's part of UploadFile.
+  absl::Status UploadFrom(int64_t offset, const SetMesh& mesh, const std::string& path);
   /// One stream until it breaks; `last` is the newest state seen.
   absl::Status WatchOnce(const JobId& id,
                          const std::function<bool(const Job&)>& on_change,

@@ -8,6 +8,9 @@
 namespace cohort {
 namespace {
 
+/// Of millions of blobs.
+constexpr double kCollectionDeadlineSeconds = 3600;
+
 /// One unary call with the usual deadline.
 template <typename Request, typename Response, typename Stub>
 absl::StatusOr<Response> Call(Stub& stub,
@@ -85,6 +88,23 @@ absl::StatusOr<std::vector<WorkerStatus>> Session::ListWorkers() {
     workers.push_back(FromProto(worker));
   }
   return workers;
+}
+
+absl::StatusOr<v1::CollectGarbageResponse> Session::CollectGarbage(
+    std::optional<double> age_hours, std::optional<double> remember_days) {
+  v1::CollectGarbageRequest request;
+  if (age_hours) {
+    request.set_age_hours(*age_hours);
+  }
+  if (remember_days) {
+    request.set_remember_days(*remember_days);
+  }
+  grpc::ClientContext context;
+  SetDeadline(context, kCollectionDeadlineSeconds);
+  v1::CollectGarbageResponse response;
+  COHORT_RETURN_IF_ERROR(
+      FromGrpcStatus(admin_->CollectGarbage(&context, request, &response), address_));
+  return response;
 }
 
 }  // namespace cohort

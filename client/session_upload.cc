@@ -15,7 +15,8 @@
 namespace cohort {
 namespace {
 
-constexpr double kPieceDeadlineSeconds = 3600;
+constexpr double kUploadDeadlineSeconds = 3600;
+constexpr int64_t kWhole = -1;
 constexpr double kFirstPauseSeconds = 0.2;
 constexpr double kLastPauseSeconds = 5;
 
@@ -62,35 +63,33 @@ absl::Status Session::Persist(const std::function<absl::Status()>& call, double 
   }
 }
 
-absl::Status Session::UploadOnce(const SetMesh& mesh, const std::string& path, int64_t& committed) {
+absl::StatusOr<int64_t> Session::UploadedBytes(const SetMesh& mesh) {
   const auto blobs = v1::BlobService::NewStub(channel_);
-  {
-    v1::QueryWriteRequest request;
-    request.set_sha256(mesh.raw.Hex());
-    v1::QueryWriteResponse response;
-    grpc::ClientContext context;
-    SetDeadline(context, kUnaryDeadlineSeconds);
-    COHORT_RETURN_IF_ERROR(
-        FromGrpcStatus(blobs->QueryWrite(&context, request, &response), address_));
-    if (response.complete()) {
-      return absl::OkStatus();
-    }
-    committed = response.committed_bytes();
-  }
+  v1::QueryWriteRequest request;
+  request.set_sha256(mesh.raw.Hex());
+  v1::QueryWriteResponse response;
+  grpc::ClientContext context;
+  SetDeadline(context, kUnaryDeadlineSeconds);
+  COHORT_RETURN_IF_ERROR(FromGrpcStatus(blobs->QueryWrite(&context, request, &response), address_));
+  return response.complete() ? kWhole : response.committed_bytes();
+}
+
+absl::Status Session::UploadFrom(int64_t offset, const SetMesh& mesh, const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  file.seekg(committed);
+  file.seekg(offset);
   if (!file) {
     return absl::NotFoundError(path + ": cannot be read");
   }
+  const auto blobs = v1::BlobService::NewStub(channel_);
   grpc::ClientContext context;
-  SetDeadline(context, kPieceDeadlineSeconds);
+  SetDeadline(context, kUploadDeadlineSeconds);
   v1::WriteBlobResponse response;
   const auto writer = blobs->WriteBlob(&context, &response);
   v1::WriteBlobRequest message;
   message.set_sha256(mesh.raw.Hex());
-  message.set_offset(committed);
+  message.set_offset(offset);
   message.set_size_bytes(mesh.size_bytes);
-  int64_t left = std::max(int64_t{0}, mesh.size_bytes - committed);
+  int64_t left = std::max(int64_t{0}, mesh.size_bytes - offset);
   do {
     std::string chunk(static_cast<size_t>(std::min(left, kChunkBytes)), '\0');
     file.read(chunk.data(), std::ssize(chunk));
@@ -114,27 +113,37 @@ absl::Status Session::UploadFile(const SetMesh& mesh,
                                  const std::string& path,
                                  double patience_seconds) {
   Patience patience(patience_seconds);
-  int64_t most_committed = 0;
+  int64_t offset = 0;  // Most often the server has nothing yet: it is asked when it says otherwise.
   bool has_begun_anew = false;
-  while (true) {
-    int64_t committed = 0;
-    absl::Status status = UploadOnce(mesh, path, committed);
+  absl::Status status = UploadFrom(0, mesh, path);
+  while (!status.ok()) {
     if (ErrorReason(status) == "UPLOAD_DAMAGED") {
       // What the server kept of an earlier try may be at fault; it has dropped that.
-      if (committed == 0 || has_begun_anew) {
+      if (offset == 0 || has_begun_anew) {
         return absl::DataLossError(path + ": has changed while it was sent");
       }
       has_begun_anew = true;
+    } else {
+      const bool may_go_on = IsTransient(status) || ErrorReason(status) == "WRONG_OFFSET";
+      if (!may_go_on || !patience.Wait()) {
+        return status;
+      }
+    }
+    const absl::StatusOr<int64_t> uploaded = UploadedBytes(mesh);
+    status = uploaded.status();
+    if (!uploaded.ok()) {
       continue;
     }
-    if (committed > most_committed) {
-      most_committed = committed;
+    if (*uploaded == kWhole) {
+      return absl::OkStatus();
+    }
+    if (*uploaded > offset) {
       patience.Renew();
     }
-    if (!IsTransient(status) || !patience.Wait()) {
-      return status;
-    }
+    offset = *uploaded;
+    status = UploadFrom(offset, mesh, path);
   }
+  return absl::OkStatus();
 }
 
 }  // namespace cohort

@@ -26,6 +26,8 @@ namespace {
 
 constexpr std::chrono::seconds kDrainTime(5);
 constexpr std::chrono::seconds kTickTime(1);
+constexpr std::chrono::minutes kFirstCollection(10);
+constexpr std::chrono::hours kCollectionTime(24);
 constexpr double kOldUploadSeconds = 24 * 3600;
 
 void SetUp(grpc::ServerBuilder& builder) {
@@ -98,6 +100,22 @@ absl::Status ServerOptions::Validate() const {
     return absl::InvalidArgumentError("--lease-seconds " + std::to_string(lease_seconds) +
                                       ": expected 1 to 3600");
   }
+  if (!(gc_age_hours >= 1) || !(gc_age_hours <= 24 * 365)) {
+    return absl::InvalidArgumentError("--gc-age-hours " + std::to_string(gc_age_hours) +
+                                      ": expected 1 to 8760");
+  }
+  if (!(gc_remember_days >= 0) || !(gc_remember_days <= 36500)) {
+    return absl::InvalidArgumentError("--gc-remember-days " + std::to_string(gc_remember_days) +
+                                      ": expected 0 to 36500");
+  }
+  if (!(min_free_gb >= 0) || !(min_free_gb <= 1e6)) {
+    return absl::InvalidArgumentError("--min-free-gb " + std::to_string(min_free_gb) +
+                                      ": expected 0 to 1000000");
+  }
+  if (!(min_free_percent >= 0) || !(min_free_percent <= 90)) {
+    return absl::InvalidArgumentError("--min-free-percent " + std::to_string(min_free_percent) +
+                                      ": expected 0 to 90");
+  }
   return absl::OkStatus();
 }
 
@@ -119,6 +137,10 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   CoordinatorOptions core;
   core.scheduler.lease_seconds = options.lease_seconds;
   core.build = std::string(BuildVersion());
+  core.garbage = {.age_seconds = options.gc_age_hours * 3600,
+                  .remember_seconds = options.gc_remember_days * 24 * 3600};
+  core.reserve = {.bytes = static_cast<int64_t>(options.min_free_gb * 1e9),
+                  .share = options.min_free_percent / 100};
   COHORT_ASSIGN_OR_RETURN(
       server->coordinator_,
       Coordinator::Create(core, *server->catalog_, *server->store_, server->clock_));
@@ -126,6 +148,15 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   COHORT_RETURN_IF_ERROR(server->Listen(options));
   server->ticking_ =
       std::jthread([raw = server.get()](const std::stop_token& stop) { raw->TickUntil(stop); });
+  server->collecting_ = std::make_unique<PeriodicTask>(
+      kFirstCollection, kCollectionTime, [raw = server.get()](const std::stop_token& stop) {
+        const auto collected =
+            raw->coordinator_->CollectGarbage(raw->coordinator_->Options().garbage, stop);
+        if (!collected.ok()) {
+          spdlog::error("event=garbage_not_collected error=\"{}\"",
+                        std::string(collected.status().message()));
+        }
+      });
   return server;
 }
 
@@ -181,6 +212,7 @@ void Server::TickUntil(const std::stop_token& stop) {
 }
 
 void Server::Stop() {
+  collecting_.reset();
   ticking_.request_stop();
   if (ticking_.joinable()) {
     ticking_.join();

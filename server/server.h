@@ -14,6 +14,7 @@
 #include "server/catalog/catalog.h"
 #include "server/catalog/file_lock.h"
 #include "server/core/coordinator.h"
+#include "server/periodic_task.h"
 #include "server/server_options.h"
 
 namespace cohort {
@@ -47,7 +48,8 @@ class Server {
   std::unique_ptr<Coordinator> coordinator_;
   std::unique_ptr<Services> services_;
   std::vector<std::string> addresses_;
-  std::jthread ticking_;  ///< Calls Coordinator::Tick.
+  std::unique_ptr<PeriodicTask> collecting_;  ///< Garbage.
+  std::jthread ticking_;                      ///< Calls Coordinator::Tick.
 };
 
 }  // namespace cohort

@@ -53,6 +53,23 @@ void AddCatalogOptions(CLI::App& app, ServerOptions& options) {
                  "\"postgresql:dbname=... host=...\"");
 }
 
+/// How the blobs are kept.
+void AddStoreOptions(CLI::App& app, ServerOptions& options) {
+  app.add_option("--gc-age-hours", options.gc_age_hours,
+                 "once a day blobs that nothing needs are removed if they are at least that old")
+      ->capture_default_str();
+  app.add_option("--gc-remember-days", options.gc_remember_days,
+                 "for so long, results of tasks are kept for jobs to come, even of deleted jobs")
+      ->capture_default_str();
+  app.add_option("--min-free-gb", options.min_free_gb,
+                 "with less free space for blobs, uploads and new jobs are refused and no task is "
+                 "handed out")
+      ->capture_default_str();
+  app.add_option("--min-free-percent", options.min_free_percent,
+                 "the same in percent of the disk; the larger counts")
+      ->capture_default_str();
+}
+
 }  // namespace
 
 int ServerMain(int argc, char** argv) {
@@ -69,6 +86,7 @@ int ServerMain(int argc, char** argv) {
     app.add_option("--lease-seconds", options.lease_seconds,
                    "a worker silent for this long loses its tasks")
         ->capture_default_str();
+    AddStoreOptions(app, options);
     app.add_option("--port-file", options.port_file, "write the addresses there, one a line");
     app.add_option("--log-level", options.log_level, "debug, info, warn, error or off")
         ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))

@@ -18,6 +18,11 @@ struct ServerOptions {
   /// The server ends when this process (its parent) does; 0: it does not look.
   int exit_with_parent = 0;
 
+  double gc_age_hours = 24;      ///< GarbageOptions::age_seconds.
+  double gc_remember_days = 90;  ///< GarbageOptions::remember_seconds.
+  double min_free_gb = 1;        ///< StoreReserve::bytes, in 10^9.
+  double min_free_percent = 5;   ///< StoreReserve::share.
+
   /// Where the catalog is.
   [[nodiscard]] std::string CatalogLocation() const {
     return catalog.empty() ? data_dir + "/catalog.db" : catalog;

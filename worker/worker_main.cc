@@ -21,6 +21,7 @@
 #include "common/geometry/nearest/instruction_set.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/rpc_blob_store.h"
+#include "common/store/caching_blob_store.h"
 #include "common/store/directory_blob_store.h"
 #include "worker/grpc_coordinator_link.h"
 #include "worker/worker_loop.h"
@@ -47,7 +48,14 @@ absl::StatusOr<std::unique_ptr<BlobStore>> OpenStore(const WorkerOptions& option
                                                      const std::shared_ptr<grpc::Channel>& channel,
                                                      const std::string& address) {
   if (options.store.empty()) {
-    return std::make_unique<RpcBlobStore>(channel, address);
+    auto rpc = std::make_unique<RpcBlobStore>(channel, address);
+    if (options.cache_dir.empty()) {
+      return rpc;
+    }
+    COHORT_ASSIGN_OR_RETURN(std::unique_ptr<CachingBlobStore> cache,
+                            CachingBlobStore::Create(std::move(rpc), options.cache_dir,
+                                                     options.cache_disk_mb * 1'000'000));
+    return cache;
   }
   COHORT_ASSIGN_OR_RETURN(std::unique_ptr<DirectoryBlobStore> store,
                           DirectoryBlobStore::Create(options.store));
@@ -64,6 +72,12 @@ CLI::App* AddOptions(CLI::App& app, WorkerOptions& options) {
                  "the server's blob folder (DATA/blobs), if this machine sees it; saves the way "
                  "over the network");
   app.add_option("--cache-mb", options.cache_mb, "decoded meshes kept in memory")
+      ->capture_default_str();
+  app.add_option("--cache-dir", options.cache_dir,
+                 "keep blobs fetched from the server in this folder, also for the next worker; "
+                 "several workers may share it");
+  app.add_option("--cache-disk-mb", options.cache_disk_mb,
+                 "how much of them; the least recently read go first")
       ->capture_default_str();
   app.add_option("--name", options.name, "name in logs; must be unique");
   app.add_option("--drain-seconds", options.drain_seconds,
@@ -87,6 +101,14 @@ absl::Status WorkerOptions::Validate() const {
   }
   if (cache_mb < 0) {
     return absl::InvalidArgumentError("--cache-mb must not be negative");
+  }
+  if (!cache_dir.empty() && !store.empty()) {
+    return absl::InvalidArgumentError(
+        "--cache-dir: of no use with --store, which is read directly");
+  }
+  if (cache_disk_mb < 1 || cache_disk_mb > 1'000'000'000) {
+    return absl::InvalidArgumentError("--cache-disk-mb " + std::to_string(cache_disk_mb) +
+                                      ": expected 1 to 1000000000");
   }
   if (!(drain_seconds >= 0 && drain_seconds <= 86400)) {
     return absl::InvalidArgumentError("--drain-seconds: expected 0 to 86400");

@@ -11,7 +11,9 @@ struct WorkerOptions {
   int threads = 0;                        ///< Tasks run at once; 0: one per processor.
   std::string store;       ///< The server's blob folder, if this machine sees it; empty: over gRPC.
   int64_t cache_mb = 256;  ///< Decoded meshes kept in memory.
-  std::string name;        ///< Shown in logs; empty: host, process and a random part.
+  std::string cache_dir;   ///< Folder for blobs fetched from the server; empty: none are kept.
+  int64_t cache_disk_mb = 4096;  ///< Its limit.
+  std::string name;              ///< Shown in logs; empty: host, process and a random part.
   double drain_seconds = 10;
   std::string log_level = "info";
   int exit_with_parent = 0;  ///< As in ServerOptions.

@@ -36,6 +36,7 @@ void AddJobsCommand(CLI::App& app, Action& action);
 /// cancel, pause, resume, retry, delete, remove.
 void AddManageCommands(CLI::App& app, Action& action);
 void AddWorkersCommand(CLI::App& app, Action& action);
+void AddGcCommand(CLI::App& app, Action& action);
 void AddTopCommand(CLI::App& app, Action& action);
 void AddResultsCommand(CLI::App& app, Action& action);
 void AddGpaCommand(CLI::App& app, Action& action);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,7 @@ struct CoordinatorOptions {
   std::string build;      ///< Workers of another build are refused.
   int most_waiting = 64;  ///< Workers that may wait for a task inside a call; others call again.
   StoreReserve reserve;
+  GarbageOptions garbage;  ///< Where nobody asks for others.
 };
 
 /// Hears of every change of a job. Called without any lock held, possibly from several threads.
@@ -149,7 +151,9 @@ class Coordinator {
   ///         than its reserve: nothing new is taken in or begun until it has.
   [[nodiscard]] absl::Status CheckSpace();
   /// @return as garbage.h.
-  [[nodiscard]] absl::StatusOr<GarbageCount> CollectGarbage(const GarbageOptions& options);
+  [[nodiscard]] absl::StatusOr<GarbageCount> CollectGarbage(const GarbageOptions& options,
+                                                            const std::stop_token& stop = {});
+  [[nodiscard]] const CoordinatorOptions& Options() const { return options_; }
   [[nodiscard]] ManagedBlobStore& Store() { return store_; }
 
  private:

@@ -202,7 +202,8 @@ void Coordinator::NoteSpace(const absl::Status& space) {
   }
 }
 
-absl::StatusOr<GarbageCount> Coordinator::CollectGarbage(const GarbageOptions& options) {
+absl::StatusOr<GarbageCount> Coordinator::CollectGarbage(const GarbageOptions& options,
+                                                         const std::stop_token& stop) {
   COHORT_RETURN_IF_ERROR(options.Validate());
   {
     // Not while a job takes up a remembered result: until it is the job's own, only this row keeps
@@ -215,7 +216,7 @@ absl::StatusOr<GarbageCount> Coordinator::CollectGarbage(const GarbageOptions& o
     spdlog::info("event=results_forgotten tasks={} meshes={}", forgotten, forgotten_meshes);
   }
   COHORT_ASSIGN_OR_RETURN(const GarbageCount count,
-                          cohort::CollectGarbage(catalog_, store_, options.age_seconds));
+                          cohort::CollectGarbage(catalog_, store_, options.age_seconds, stop));
   spdlog::info("event=garbage_collected blobs={} bytes={} kept_blobs={} kept_bytes={}", count.blobs,
                count.bytes, count.kept_blobs, count.kept_bytes);
   return count;

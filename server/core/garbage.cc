@@ -56,11 +56,15 @@ absl::Status GarbageOptions::Validate() const {
 
 absl::StatusOr<GarbageCount> CollectGarbage(Catalog& catalog,
                                             ManagedBlobStore& store,
-                                            double age_seconds) {
+                                            double age_seconds,
+                                            const std::stop_token& stop) {
   // First what is in use, then what is there: a blob that is written and named in between is young.
   COHORT_ASSIGN_OR_RETURN(const std::vector<uint64_t> in_use, MarksInUse(catalog));
   GarbageCount count;
   COHORT_RETURN_IF_ERROR(store.Visit([&](const StoredBlob& blob) -> absl::Status {
+    if (stop.stop_requested()) {
+      return absl::CancelledError("the collection of garbage was stopped");
+    }
     bool is_removed = false;
     if (!std::binary_search(in_use.begin(), in_use.end(), Mark(blob.digest))) {
       COHORT_ASSIGN_OR_RETURN(is_removed, store.RemoveIfOlder(blob.digest, age_seconds));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 
 #include <absl/status/statusor.h>
 
@@ -35,9 +36,10 @@ struct GarbageCount {
 /// running job has done and reads - and every young one. What a worker has written and not
 /// reported is kept by its age only: if `age_seconds` is too short, its report is refused
 /// (BLOB_MISSING) and the task done again.
-/// @return as Catalog::VisitBlobs and ManagedBlobStore.
+/// @return kCancelled after `stop`; as Catalog::VisitBlobs and ManagedBlobStore.
 [[nodiscard]] absl::StatusOr<GarbageCount> CollectGarbage(Catalog& catalog,
                                                           ManagedBlobStore& store,
-                                                          double age_seconds);
+                                                          double age_seconds,
+                                                          const std::stop_token& stop = {});
 
 }  // namespace cohort

@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include <absl/strings/str_cat.h>
 #include <spdlog/spdlog.h>
@@ -44,7 +43,7 @@ absl::Status ExplainDamage(ManagedBlobStore& store, const absl::Status& read) {
   if (!is_lost) {
     return absl::UnavailableError("blob " + blob->Hex() + " could not be read; try again");
   }
-  constexpr std::string_view kRemedy =
+  constexpr char kRemedy[] =
       "; if it belongs to the results of a job, submit the job again with the same options: only "
       "what is lost is computed anew";
   if (absl::IsNotFound(read)) {
