@@ -38,9 +38,10 @@ absl::StatusOr<std::unique_ptr<LocalCluster>> LocalCluster::Start(
   COHORT_RETURN_IF_ERROR(cluster->StartMember(
       "server", "cohort-server",
       {"--data", options.data_dir.string(), "--listen", cluster->address_, "--lease-seconds", "10",
-       // A laptop's disk is often nearly full, and one job is all that is written here.
-       "--min-free-percent", "0", "--port-file", (cluster->socket_dir_ / "addresses").string(),
-       "--exit-with-parent", parent}));
+       // A laptop's disk is often nearly full, and one job is all that is written here: it fails
+       // when there is really no space.
+       "--min-free-percent", "0", "--min-free-gb", "0", "--port-file",
+       (cluster->socket_dir_ / "addresses").string(), "--exit-with-parent", parent}));
   COHORT_RETURN_IF_ERROR(cluster->WaitForServer());
   const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const int threads =

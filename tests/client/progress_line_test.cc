@@ -12,7 +12,8 @@ Job JobAt(double share, const std::string& stage) {
                   .tasks_total = 100,
                   .cost_done = share,
                   .cost_total = 1,
-                  .stages = {}};
+                  .stages = {},
+                  .waiting_for = {}};
   return job;
 }
 

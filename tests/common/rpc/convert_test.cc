@@ -147,10 +147,12 @@ TEST(Convert, AJobAndItsMeshesSurviveTheWay) {
                   .tasks_total = 2,
                   .cost_done = 3,
                   .cost_total = 4,
-                  .stages = {{.name = "ingest", .started_unix_ms = 5, .finished_unix_ms = 6}}};
+                  .stages = {{.name = "ingest", .started_unix_ms = 5, .finished_unix_ms = 6}},
+                  .waiting_for = "space"};
   const auto back = FromProto(ToProto(job));
   ASSERT_THAT(back, IsOk());
   EXPECT_EQ(back->progress.stages, job.progress.stages);
+  EXPECT_EQ(back->progress.waiting_for, "space");
   EXPECT_EQ(ToProto(*back).SerializeAsString(), ToProto(job).SerializeAsString());
   JobMesh mesh;
   mesh.mesh = {
