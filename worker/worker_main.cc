@@ -23,6 +23,7 @@
 #include "common/rpc/rpc_blob_store.h"
 #include "common/store/caching_blob_store.h"
 #include "common/store/directory_blob_store.h"
+#include "common/store/retrying_blob_store.h"
 #include "worker/grpc_coordinator_link.h"
 #include "worker/worker_loop.h"
 
@@ -46,9 +47,11 @@ std::string MakeWorkerName() {
 
 absl::StatusOr<std::unique_ptr<BlobStore>> OpenStore(const WorkerOptions& options,
                                                      const std::shared_ptr<grpc::Channel>& channel,
-                                                     const std::string& address) {
+                                                     const std::string& address,
+                                                     const std::stop_token& stop) {
   if (options.store.empty()) {
-    auto rpc = std::make_unique<RpcBlobStore>(channel, address);
+    auto rpc = std::make_unique<RetryingBlobStore>(std::make_unique<RpcBlobStore>(channel, address),
+                                                   Patience(), stop);
     if (options.cache_dir.empty()) {
       return rpc;
     }
@@ -121,8 +124,9 @@ absl::Status RunWorker(const WorkerOptions& options) {
   COHORT_ASSIGN_OR_RETURN(const InstructionSet instruction_set, ChooseInstructionSet());
   COHORT_ASSIGN_OR_RETURN(const std::string address, NormalizeAddress(options.server));
   const std::shared_ptr<grpc::Channel> channel = OpenChannel(address);
+  std::stop_source stop;
   COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<BlobStore> store,
-                          OpenStore(options, channel, address));
+                          OpenStore(options, channel, address, stop.get_token()));
   MeshCache meshes(*store, options.cache_mb << 20);
   GrpcCoordinatorLink link(channel, address);
   WorkerLoopOptions loop_options;
@@ -137,7 +141,6 @@ absl::Status RunWorker(const WorkerOptions& options) {
                loop_options.worker.value, address, loop_options.slots,
                options.store.empty() ? "rpc" : options.store, InstructionSetName(instruction_set));
   WorkerLoop loop(loop_options, link, runner);
-  std::stop_source stop;
   std::atomic<bool> ended = false;
   absl::Status status;
   std::thread working([&] {
