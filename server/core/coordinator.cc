@@ -179,7 +179,12 @@ absl::StatusOr<ReferenceFrame> Coordinator::FrameFor(const JobSpec& spec,
   COHORT_ASSIGN_OR_RETURN(const Job reference, GetJob(id));
   COHORT_ASSIGN_OR_RETURN(const std::vector<JobMesh> reference_meshes, GetJobMeshes(id));
   COHORT_ASSIGN_OR_RETURN(const JobOutputs outputs, catalog_.GetOutputs(id));
-  return MakeReferenceFrame(reference, reference_meshes, outputs, spec, meshes, store_);
+  absl::StatusOr<ReferenceFrame> frame =
+      MakeReferenceFrame(reference, reference_meshes, outputs, spec, meshes, store_);
+  if (!frame.ok()) {
+    return ExplainDamage(id, frame.status());
+  }
+  return frame;
 }
 
 absl::StatusOr<Job> Coordinator::GetJob(const JobId& id) {

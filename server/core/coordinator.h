@@ -93,7 +93,8 @@ class Coordinator {
   /// @return as PauseJob; a job that is not paused stays as it is.
   [[nodiscard]] absl::StatusOr<Job> ResumeJob(const JobId& id);
   /// Goes on with a job that failed or was cancelled: what is done stays done, tasks that were
-  /// given up are tried again.
+  /// given up are tried again. Or with one that has succeeded and whose results have been damaged
+  /// since: it makes again what is lost.
   /// @return kFailedPrecondition (JOB_NOT_FAILED) for any other job.
   [[nodiscard]] absl::StatusOr<Job> RetryJob(const JobId& id);
   /// Removes a job that has ended; its blobs go with the next garbage collection.
@@ -246,7 +247,7 @@ class Coordinator {
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status CheckOutputs(const TaskResult& result);
 
-  // The store; coordinator_store.cc.
+  // The store; coordinator_damage.cc, coordinator_store.cc.
   /// A worker could not read an input of its task.
   /// @return true: it has been seen to. False: the store has the blob; the task has failed.
   absl::StatusOr<bool> HandleDamagedBlob(const Lease& lease, const Digest& blob);
@@ -257,6 +258,14 @@ class Coordinator {
   /// again.
   void TakeUpAgain(const Job& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status TakeUpStanding() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Of a job that has succeeded; empty if it has lost nothing.
+  absl::StatusOr<std::optional<Job>> MakeLostResults(const Job& job) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Takes back what tasks have found out that is in one of these blobs.
+  absl::StatusOr<std::vector<JobTask>> ForgetResultsIn(const JobId& id,
+                                                       const std::vector<Digest>& lost)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// The job that made a blob of a job's results: itself, or one whose pairs it keeps.
+  absl::StatusOr<JobId> MakerOf(const JobId& id, const Digest& blob);
   /// Of a read of results: what people are to know and do if a blob is lost.
   absl::Status ExplainDamage(const JobId& id, const absl::Status& read);
   /// Tells active jobs that they wait for space, or no longer do.

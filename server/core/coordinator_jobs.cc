@@ -313,7 +313,13 @@ absl::StatusOr<Job> Coordinator::SetPaused(const JobId& id, JobState state) {
 }
 
 absl::StatusOr<Job> Coordinator::RetryJob(const JobId& id) {
-  Job job;
+  COHORT_ASSIGN_OR_RETURN(Job job, GetJob(id));
+  if (job.state == JobState::kSucceeded) {
+    COHORT_ASSIGN_OR_RETURN(std::optional<Job> mended, MakeLostResults(job));
+    if (mended) {
+      return *std::move(mended);
+    }
+  }
   std::vector<Job> changes;
   {
     const MutexLock lock(mutex_);

@@ -44,8 +44,8 @@ absl::Status ExplainDamage(ManagedBlobStore& store, const absl::Status& read) {
     return absl::UnavailableError("blob " + blob->Hex() + " could not be read; try again");
   }
   constexpr char kRemedy[] =
-      "; if it belongs to the results of a job, submit the job again with the same options: only "
-      "what is lost is computed anew";
+      "; if it belongs to the results of a job, \"cohort retry JOB\" computes what is lost and "
+      "nothing else";
   if (absl::IsNotFound(read)) {
     return absl::NotFoundError(
         absl::StrCat("blob ", blob->Hex(), " is not in the server's store", kRemedy));

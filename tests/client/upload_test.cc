@@ -243,7 +243,7 @@ TEST_F(UploadTest, ADamagedBlobIsReportedOnceAndThenMissing) {
 
   const auto read = session->Blobs().Get(file.mesh.raw);
 
-  EXPECT_THAT(read, StatusIs(absl::StatusCode::kDataLoss, "submit the job again"));
+  EXPECT_THAT(read, StatusIs(absl::StatusCode::kDataLoss, "cohort retry JOB"));
   EXPECT_EQ(ErrorReason(read.status()), "BLOB_DAMAGED");
   EXPECT_THAT(session->Blobs().Get(file.mesh.raw), StatusIs(absl::StatusCode::kNotFound, hex));
   const auto counts = Upload(*session, "set", {file});

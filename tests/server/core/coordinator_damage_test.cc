@@ -104,9 +104,10 @@ class CoordinatorDamageTest : public testing::StoreFixture {
     return lost;
   }
 
-  /// The job has the results of the calm one, or its readers are told that they are lost, and the
-  /// same job again makes them.
-  void ExpectResultsOf(const Job& job, int most_tasks) {
+  /// The job has the results of the calm one, or its readers are told that they are lost, and a
+  /// retry or the same job again makes them.
+  enum class Remedy { kRetry, kSubmitAgain };
+  void ExpectResultsOf(const Job& job, int most_tasks, Remedy remedy = Remedy::kRetry) {
     ASSERT_EQ(coordinator_->GetJob(job.id)->state, JobState::kSucceeded)
         << coordinator_->GetJob(job.id)->error;
     EXPECT_EQ(OutputsOf(job), expected_);
@@ -115,14 +116,20 @@ class CoordinatorDamageTest : public testing::StoreFixture {
       EXPECT_EQ(*matrix, matrix_);
     } else {
       EXPECT_EQ(ErrorReason(matrix.status()), "BLOB_DAMAGED");
-      EXPECT_THAT(matrix, StatusIs(absl::StatusCode::kDataLoss, "submit the job again"));
+      EXPECT_THAT(matrix, StatusIs(absl::StatusCode::kDataLoss, "cohort retry " + job.id.value));
     }
     if (CountLostOutputs(job) == 0 && matrix.ok()) {
       return;
     }
     done_ = 0;
-    const Job again = Submit(spec_, false);
+    Job again = job;
+    if (remedy == Remedy::kRetry) {
+      ASSERT_THAT(coordinator_->RetryJob(job.id), IsOk());
+    } else {
+      again = Submit(spec_, false);
+    }
     Work();
+    EXPECT_EQ(coordinator_->GetJob(again.id)->state, JobState::kSucceeded);
     EXPECT_LE(done_, most_tasks) << "only what is lost";
     EXPECT_EQ(OutputsOf(again), expected_);
     EXPECT_EQ(MatrixOf(again).value(), matrix_);
@@ -204,7 +211,7 @@ TEST_F(CoordinatorDamageTest, AnyBlobLostAfterTheJobIsMadeAgainByTheSameJob) {
     for (const Damage damage : kDamages) {
       SCOPED_TRACE(absl::StrCat(blob.what, ", damage ", static_cast<int>(damage)));
       Spoil(blob.digest, damage);
-      ExpectResultsOf(calm_, 1);
+      ExpectResultsOf(calm_, 1, Remedy::kSubmitAgain);
       // Intermediate blobs are no outputs: whoever reads them next finds the damage.
       ASSERT_THAT(store_->QuarantineIfUnreadable(blob.digest), IsOk());
       const Job again = Submit(spec_, false);
@@ -212,6 +219,73 @@ TEST_F(CoordinatorDamageTest, AnyBlobLostAfterTheJobIsMadeAgainByTheSameJob) {
       ExpectResultsOf(again, 1);
     }
   }
+}
+
+TEST_F(CoordinatorDamageTest, ARetryMakesAllThatIsLostAtOnce) {
+  RunCalmJob();
+  EXPECT_EQ(ErrorReason(coordinator_->RetryJob(calm_.id).status()), "JOB_NOT_FAILED")
+      << "nothing is lost";
+  for (const BlobOfJob& blob : OneOfEach(tasks_)) {
+    Spoil(blob.digest, Damage::kFlippedByte);
+  }
+  EXPECT_THAT(MatrixOf(calm_), StatusIs(absl::StatusCode::kDataLoss, "cohort retry"));
+  ASSERT_THAT(coordinator_->RetryJob(calm_.id), IsOk());
+  Work();
+  ASSERT_EQ(coordinator_->GetJob(calm_.id)->state, JobState::kSucceeded)
+      << coordinator_->GetJob(calm_.id)->error;
+  EXPECT_EQ(OutputsOf(calm_), expected_);
+  EXPECT_EQ(MatrixOf(calm_).value(), matrix_);
+  EXPECT_EQ(CountLostOutputs(calm_), 0);
+}
+
+TEST_F(CoordinatorDamageTest, WhatAJobKeepsOfAnotherIsMadeAgainByThatOne) {
+  spec_ = EveryBlobSpec();
+  spec_.pose = PoseMode::kPrincipalAxes;
+  spec_.landmarks = {};
+  spec_.preview = false;
+  const Job first = Submit(spec_, true);
+  Work();
+  const std::vector<SetMesh> more = testing::PutDemoScans(*store_, kPeople + 1, 1);
+  ASSERT_THAT(coordinator_->AddMesh("set", more.back()), IsOk());
+  JobSpec spec;
+  spec.reference_job = first.id.value;
+  const Job calm = Submit(spec, true);
+  Work();
+  ASSERT_EQ(coordinator_->GetJob(calm.id)->state, JobState::kSucceeded)
+      << coordinator_->GetJob(calm.id)->error;
+  const std::string expected = OutputsOf(calm);
+  const std::vector<double> matrix = MatrixOf(calm).value();
+  const JobOutputs own = coordinator_->GetOutputs(calm.id).value();
+  const JobOutputs kept = coordinator_->GetOutputs(first.id).value();
+
+  // Pairs of the first job, found by who reads the second.
+  Spoil(kept.tiles.at(0), Damage::kFlippedByte);
+  EXPECT_THAT(MatrixOf(calm), StatusIs(absl::StatusCode::kDataLoss, "retry " + first.id.value));
+  ASSERT_THAT(coordinator_->RetryJob(first.id), IsOk());
+  Work();
+  EXPECT_EQ(MatrixOf(calm).value(), matrix);
+
+  // Pairs and alignments of the second.
+  for (const Digest& blob : {own.tiles.at(0), own.alignments.front(), own.alignments.back()}) {
+    Spoil(blob, Damage::kCutShort);
+    ASSERT_THAT(coordinator_->RetryJob(calm.id), IsOk());
+    Work();
+    EXPECT_EQ(coordinator_->GetJob(calm.id)->state, JobState::kSucceeded);
+    EXPECT_EQ(OutputsOf(calm), expected);
+    EXPECT_EQ(MatrixOf(calm).value(), matrix);
+    EXPECT_EQ(CountLostOutputs(calm), 0);
+  }
+
+  // The frame itself, while a job needs it.
+  const Job disturbed = Submit(spec, true);
+  Spoil(kept.frame.reference, Damage::kDeleted);
+  Work();
+  EXPECT_THAT(coordinator_->GetJob(disturbed.id)->error, HasSubstr("retry " + first.id.value));
+  ASSERT_THAT(coordinator_->RetryJob(first.id), IsOk());
+  Work();
+  ASSERT_THAT(coordinator_->RetryJob(disturbed.id), IsOk());
+  Work();
+  EXPECT_EQ(OutputsOf(disturbed), expected);
 }
 
 TEST_F(CoordinatorDamageTest, ALostMeshFileFailsTheJobUntilItIsAddedAgain) {
