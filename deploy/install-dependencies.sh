@@ -14,7 +14,7 @@ build_packages=(
   libeigen3-dev libnanoflann-dev libdraco-dev libzstd-dev
   libsqlite3-dev libpq-dev libsoci-dev
   libssl-dev libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libpugixml-dev
-  libcairo2-dev fonts-dejavu-core
+  libcairo2-dev fonts-dejavu-core prometheus-cpp-dev
 )
 test_packages=(
   libgtest-dev libgmock-dev postgresql

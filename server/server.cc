@@ -14,6 +14,7 @@
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
 #include "common/rpc/channel.h"
+#include "server/metrics/server_metrics.h"
 #include "server/services/admin_service.h"
 #include "server/services/blob_service.h"
 #include "server/services/job_service.h"
@@ -116,7 +117,7 @@ absl::Status ServerOptions::Validate() const {
     return absl::InvalidArgumentError("--min-free-percent " + std::to_string(min_free_percent) +
                                       ": expected 0 to 90");
   }
-  return absl::OkStatus();
+  return metrics_listen.empty() ? absl::OkStatus() : MetricsEndpoint::CheckAddress(metrics_listen);
 }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
@@ -146,6 +147,9 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
       Coordinator::Create(core, *server->catalog_, *server->store_, server->clock_));
   server->services_ = std::make_unique<Services>(*server->coordinator_);
   COHORT_RETURN_IF_ERROR(server->Listen(options));
+  if (!options.metrics_listen.empty()) {
+    COHORT_RETURN_IF_ERROR(server->ServeMetrics(options.metrics_listen));
+  }
   server->ticking_ =
       std::jthread([raw = server.get()](const std::stop_token& stop) { raw->TickUntil(stop); });
   server->collecting_ = std::make_unique<PeriodicTask>(
@@ -192,6 +196,20 @@ absl::Status Server::Listen(const ServerOptions& options) {
                                    : WritePortFile(options.port_file, addresses_);
 }
 
+absl::Status Server::ServeMetrics(const std::string& address) {
+  const double start = std::chrono::duration<double>(clock_.WallNow().time_since_epoch()).count();
+  const auto read = [this, start] {
+    ServerState state{.start_unix_seconds = start, .store_free_bytes = std::nullopt};
+    if (const absl::StatusOr<StoreSpace> space = store_->Space(); space.ok()) {
+      state.store_free_bytes = space->free_bytes;
+    }
+    return MakeServerPage(coordinator_->Figures(), state);
+  };
+  COHORT_ASSIGN_OR_RETURN(metrics_, MetricsEndpoint::Listen(address, read));
+  spdlog::info("event=metrics address=http://{}/metrics", metrics_->Address());
+  return absl::OkStatus();
+}
+
 void Server::TickUntil(const std::stop_token& stop) {
   Mutex mutex;
   CondVar stopped;
@@ -212,6 +230,7 @@ void Server::TickUntil(const std::stop_token& stop) {
 }
 
 void Server::Stop() {
+  metrics_.reset();
   collecting_.reset();
   ticking_.request_stop();
   if (ticking_.joinable()) {

@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "common/base/clock.h"
+#include "common/metrics/metrics_endpoint.h"
 #include "common/store/directory_blob_store.h"
 #include "server/catalog/catalog.h"
 #include "server/catalog/file_lock.h"
@@ -32,6 +33,11 @@ class Server {
   /// As clients can use them: "127.0.0.1:40123", "unix:/run/cohort.sock".
   [[nodiscard]] const std::vector<std::string>& Addresses() const { return addresses_; }
 
+  /// Where http://ADDRESS/metrics is; empty: nowhere.
+  [[nodiscard]] std::string MetricsAddress() const {
+    return metrics_ == nullptr ? "" : metrics_->Address();
+  }
+
   /// Refuses new calls, lets those under way end (5 s), closes. Called by the destructor if needed.
   void Stop();
 
@@ -39,6 +45,7 @@ class Server {
   struct Services;
   Server() = default;
   absl::Status Listen(const ServerOptions& options);
+  absl::Status ServeMetrics(const std::string& address);
   void TickUntil(const std::stop_token& stop);
 
   SystemClock clock_;
@@ -49,7 +56,8 @@ class Server {
   std::unique_ptr<Services> services_;
   std::vector<std::string> addresses_;
   std::unique_ptr<PeriodicTask> collecting_;  ///< Garbage.
-  std::jthread ticking_;                      ///< Calls Coordinator::Tick.
+  std::unique_ptr<MetricsEndpoint> metrics_;
+  std::jthread ticking_;  ///< Calls Coordinator::Tick.
 };
 
 }  // namespace cohort

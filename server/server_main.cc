@@ -28,6 +28,9 @@ int Serve(const ServerOptions& options) {
   for (const std::string& address : (*server)->Addresses()) {
     std::cout << "listening on " << address << std::endl;
   }
+  if (!(*server)->MetricsAddress().empty()) {
+    std::cout << "metrics on http://" << (*server)->MetricsAddress() << "/metrics" << std::endl;
+  }
   const int signal = WaitForStopSignal(nullptr, options.exit_with_parent);
   spdlog::info("event=stopping signal={}", signal);
   (*server)->Stop();
@@ -88,6 +91,9 @@ int ServerMain(int argc, char** argv) {
         ->capture_default_str();
     AddStoreOptions(app, options);
     app.add_option("--port-file", options.port_file, "write the addresses there, one a line");
+    app.add_option("--metrics-listen", options.metrics_listen,
+                   "serve http://HOST:PORT/metrics to Prometheus (port 0: a free one, printed); "
+                   "without authentication [off]");
     app.add_option("--log-level", options.log_level, "debug, info, warn, error or off")
         ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
         ->capture_default_str();

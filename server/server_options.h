@@ -13,7 +13,8 @@ struct ServerOptions {
   std::vector<std::string> listen = {
       "127.0.0.1:7450"};  ///< HOST:PORT (port 0: a free one), unix:PATH.
   double lease_seconds = 60;
-  std::string port_file;  ///< If set, the addresses listened on are written there, one a line.
+  std::string port_file;       ///< If set, the addresses listened on are written there, one a line.
+  std::string metrics_listen;  ///< HOST:PORT of http://HOST:PORT/metrics; empty: none.
   std::string log_level = "info";
   /// The server ends when this process (its parent) does; 0: it does not look.
   int exit_with_parent = 0;

@@ -107,8 +107,8 @@ absl::Status WorkerLoop::SynchronizeOnce(const std::stop_token& stop) {
   for (const Lease& lease : orders.lost) {
     const auto found = running_.find(lease);
     if (found != running_.end()) {
-      spdlog::info("event=lease_lost worker={} job={} task={}", options_.worker.value,
-                   lease.task.job.value, lease.task.number);
+      spdlog::info("event=lease_lost worker={} job={} task={} epoch={}", options_.worker.value,
+                   lease.task.job.value, lease.task.number, lease.epoch);
       found->second.stop.request_stop();
     }
   }
@@ -153,15 +153,18 @@ void WorkerLoop::Report(const Lease& lease,
     } else if (result.status().code() == absl::StatusCode::kCancelled) {
       said = link_.ReleaseTask(options_.worker, lease);
     } else {
-      spdlog::warn("event=task_failed worker={} job={} task={} error=\"{}\"", options_.worker.value,
-                   lease.task.job.value, lease.task.number, std::string(result.status().message()));
+      spdlog::warn("event=task_failed worker={} job={} task={} epoch={} error=\"{}\"",
+                   options_.worker.value, lease.task.job.value, lease.task.number, lease.epoch,
+                   std::string(result.status().message()));
       said = link_.FailTask(options_.worker, lease, result.status());
     }
     if (said.ok()) {
+      NoteEnded(lease, result);
       return;
     }
-    spdlog::warn("event=report_failed worker={} job={} task={} error=\"{}\"", options_.worker.value,
-                 lease.task.job.value, lease.task.number, std::string(said.message()));
+    spdlog::warn("event=report_failed worker={} job={} task={} epoch={} error=\"{}\"",
+                 options_.worker.value, lease.task.job.value, lease.task.number, lease.epoch,
+                 std::string(said.message()));
     if (stop.stop_requested()) {
       return;  // The lease is no longer ours, or runs out: another worker does the task.
     }
@@ -178,6 +181,33 @@ void WorkerLoop::Report(const Lease& lease,
     slot_freed_.WaitUntil(mutex_, In(retry_seconds));
     retry_seconds = std::min(2 * retry_seconds, kLastRetrySeconds);
   }
+}
+
+void WorkerLoop::NoteEnded(const Lease& lease, const absl::StatusOr<TaskResult>& result) {
+  const double seconds = result.ok() ? result->seconds : 0;
+  spdlog::debug("event=task_reported worker={} job={} task={} epoch={} seconds={:.3f} status={}",
+                options_.worker.value, lease.task.job.value, lease.task.number, lease.epoch,
+                seconds, absl::StatusCodeToString(result.status().code()));
+  const MutexLock lock(mutex_);
+  if (result.ok()) {
+    ++figures_.completed;
+    figures_.seconds += seconds;
+  } else if (absl::IsCancelled(result.status())) {
+    ++figures_.released;
+  } else {
+    ++figures_.failed;
+  }
+}
+
+WorkerFigures WorkerLoop::Figures() {
+  const MutexLock lock(mutex_);
+  WorkerFigures figures = figures_;
+  figures.slots = options_.slots;
+  figures.held = std::ssize(running_);
+  for (const auto& [lease, running] : running_) {
+    figures.computing += !running.finished && *running.ticks != HeldTask::kNotBegun ? 1 : 0;
+  }
+  return figures;
 }
 
 void WorkerLoop::Reap() {

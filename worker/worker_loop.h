@@ -26,6 +26,17 @@ struct WorkerLoopOptions {
   double drain_seconds = 10;  ///< How long running tasks may go on after the stop.
 };
 
+/// What a worker has done since it started, and does now.
+struct WorkerFigures {
+  int slots = 0;
+  int64_t held = 0;       ///< Tasks; those that wait for a slot included.
+  int64_t computing = 0;  ///< Tasks that have a slot.
+  int64_t completed = 0;
+  int64_t failed = 0;
+  int64_t released = 0;  ///< Given back, or told to stop.
+  double seconds = 0;    ///< What those completed took.
+};
+
 /// Asks for tasks, runs each on a thread of its own, reports what came out. While tasks run it
 /// keeps calling the server, so that their leases live. Holds a task more than it can compute, so
 /// that no processor waits while a result is on its way.
@@ -42,6 +53,9 @@ class WorkerLoop {
   ///         the server has told it to stop: only the end of the process helps, without waiting for
   ///         this object's.
   [[nodiscard]] absl::Status Run(const std::stop_token& stop);
+
+  /// May be called from any thread.
+  [[nodiscard]] WorkerFigures Figures();
 
  private:
   struct Running {
@@ -60,6 +74,8 @@ class WorkerLoop {
                const std::stop_token& stop,
                std::atomic<int64_t>& ticks);
   void Report(const Lease& lease, absl::StatusOr<TaskResult> result, const std::stop_token& stop);
+  /// The server has heard of the task's end.
+  void NoteEnded(const Lease& lease, const absl::StatusOr<TaskResult>& result);
   /// Joins threads whose task is over.
   void Reap() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Drain();
@@ -70,8 +86,9 @@ class WorkerLoop {
   Mutex mutex_;
   CondVar slot_freed_;
   std::map<Lease, Running> running_ ABSL_GUARDED_BY(mutex_);
-  bool reaped_ ABSL_GUARDED_BY(mutex_) = false;  ///< A task has ended since the last report.
-  double next_sync_seconds_ = 1;                 ///< Used by Run only.
+  WorkerFigures figures_ ABSL_GUARDED_BY(mutex_);  ///< Its totals.
+  bool reaped_ ABSL_GUARDED_BY(mutex_) = false;    ///< A task has ended since the last report.
+  double next_sync_seconds_ = 1;                   ///< Used by Run only.
 };
 
 }  // namespace cohort

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
@@ -15,10 +16,12 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
+#include "common/base/clock.h"
 #include "common/base/process.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
 #include "common/geometry/nearest/instruction_set.h"
+#include "common/metrics/metrics_endpoint.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/rpc_blob_store.h"
 #include "common/store/caching_blob_store.h"
@@ -26,6 +29,7 @@
 #include "common/store/retrying_blob_store.h"
 #include "worker/grpc_coordinator_link.h"
 #include "worker/worker_loop.h"
+#include "worker/worker_metrics.h"
 
 namespace cohort {
 namespace {
@@ -86,6 +90,9 @@ CLI::App* AddOptions(CLI::App& app, WorkerOptions& options) {
   app.add_option("--drain-seconds", options.drain_seconds,
                  "how long running tasks may go on after SIGTERM")
       ->capture_default_str();
+  app.add_option("--metrics-listen", options.metrics_listen,
+                 "serve http://HOST:PORT/metrics to Prometheus (port 0: a free one, printed); "
+                 "without authentication [off]");
   app.add_option("--log-level", options.log_level, "debug, info, warn, error or off")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
@@ -116,6 +123,9 @@ absl::Status WorkerOptions::Validate() const {
   if (!(drain_seconds >= 0 && drain_seconds <= 86400)) {
     return absl::InvalidArgumentError("--drain-seconds: expected 0 to 86400");
   }
+  if (!metrics_listen.empty()) {
+    COHORT_RETURN_IF_ERROR(MetricsEndpoint::CheckAddress(metrics_listen));
+  }
   return NormalizeAddress(server).status();
 }
 
@@ -141,6 +151,16 @@ absl::Status RunWorker(const WorkerOptions& options) {
                loop_options.worker.value, address, loop_options.slots,
                options.store.empty() ? "rpc" : options.store, InstructionSetName(instruction_set));
   WorkerLoop loop(loop_options, link, runner);
+  std::unique_ptr<MetricsEndpoint> metrics;
+  if (!options.metrics_listen.empty()) {
+    const double start =
+        std::chrono::duration<double>(SystemClock().WallNow().time_since_epoch()).count();
+    COHORT_ASSIGN_OR_RETURN(
+        metrics, MetricsEndpoint::Listen(options.metrics_listen, [&loop, &meshes, start] {
+          return MakeWorkerPage(loop.Figures(), meshes.Bytes(), start);
+        }));
+    std::cout << "metrics on http://" << metrics->Address() << "/metrics" << std::endl;
+  }
   std::atomic<bool> ended = false;
   absl::Status status;
   std::thread working([&] {

@@ -15,6 +15,7 @@ struct WorkerOptions {
   int64_t cache_disk_mb = 4096;  ///< Its limit.
   std::string name;              ///< Shown in logs; empty: host, process and a random part.
   double drain_seconds = 10;
+  std::string metrics_listen;  ///< HOST:PORT of http://HOST:PORT/metrics; empty: none.
   std::string log_level = "info";
   int exit_with_parent = 0;  ///< As in ServerOptions.
 

@@ -16,4 +16,8 @@ Catalog::Catalog(std::unique_ptr<Database> database) : database_(std::move(datab
 
 Catalog::~Catalog() = default;
 
+CallTimes Catalog::WriteTimes() const {
+  return database_->WriteTimes();
+}
+
 }  // namespace cohort

@@ -12,6 +12,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "common/base/call_times.h"
 #include "common/jobs/job_state.h"
 #include "common/jobs/task.h"
 
@@ -162,6 +163,9 @@ class Catalog {
   /// that comes meanwhile may be missed, so the collector must leave young blobs alone, too.
   /// @param visit  called without any lock held; its error ends the walk and is returned.
   [[nodiscard]] absl::Status VisitBlobs(const std::function<absl::Status(const Digest&)>& visit);
+
+  /// How long the transactions of calls that write took, since it was opened.
+  [[nodiscard]] CallTimes WriteTimes() const;
 
  private:
   explicit Catalog(std::unique_ptr<Database> database);

@@ -1,5 +1,6 @@
 #include "server/catalog/database.h"
 
+#include <chrono>
 #include <cstdint>
 #include <utility>
 
@@ -41,8 +42,10 @@ absl::Status Database::Read(const Body& body) {
 
 absl::Status Database::Write(const Body& body) {
   MutexLock lock(mutex_);
+  const auto start = std::chrono::steady_clock::now();
   COHORT_RETURN_IF_ERROR(Connect());
   absl::Status status = Transact(body);
+  write_timer_.Add(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   DropIfLost();
   return status;
 }

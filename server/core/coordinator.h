@@ -13,6 +13,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "common/base/call_times.h"
 #include "common/base/clock.h"
 #include "common/base/mutex.h"
 #include "common/jobs/job_state.h"
@@ -23,6 +24,7 @@
 #include "common/store/managed_blob_store.h"
 #include "server/catalog/catalog.h"
 #include "server/core/active_job.h"
+#include "server/core/coordinator_figures.h"
 #include "server/core/garbage.h"
 #include "server/core/reference_frame.h"
 #include "server/core/store_reserve.h"
@@ -140,6 +142,9 @@ class Coordinator {
   /// Workers heard of lately, by name.
   [[nodiscard]] std::vector<WorkerStatus> ListWorkers();
 
+  /// What goes on now and has happened since the start, for those who watch over the server.
+  [[nodiscard]] CoordinatorFigures Figures();
+
   /// To be called about once a second: takes back what silent workers had, and goes on with jobs
   /// that a missed notification would have left standing.
   [[nodiscard]] absl::Status Tick();
@@ -189,6 +194,10 @@ class Coordinator {
   absl::Status RecoverJob(const Job& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Schedules what the plan has made ready; ends the job if nothing is left.
   absl::Status Advance(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Keeps `ready_since_` true. To be called after every grant, and from Tick.
+  void NoteReady(MonotonicTime now, int64_t granted) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Counts and logs what the scheduler has taken back from workers.
+  void NoteLost() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Looks the next ready tasks up among known results, finishes those and schedules the others.
   absl::Status LookUp(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// The results of tasks as they are remembered, if their blobs are still there.
@@ -291,6 +300,11 @@ class Coordinator {
   std::map<Digest, int> times_damaged_ ABSL_GUARDED_BY(mutex_);
   std::map<WorkerId, WorkerStatus> workers_ ABSL_GUARDED_BY(mutex_);
   std::map<WorkerId, MonotonicTime> last_seen_ ABSL_GUARDED_BY(mutex_);
+  EventTotals totals_ ABSL_GUARDED_BY(mutex_);
+  /// Since when tasks have been ready and none was handed out; nothing: none is ready.
+  std::optional<MonotonicTime> ready_since_ ABSL_GUARDED_BY(mutex_);
+  CallTimer synchronize_timer_;
+  CallTimer complete_timer_;
 
   Mutex queue_mutex_;  ///< Taken after `mutex_`, or alone.
   std::vector<QueuedCompletion*> completions_ ABSL_GUARDED_BY(queue_mutex_);

@@ -168,6 +168,7 @@ absl::Status Coordinator::LookUp(ActiveJob& active) {
   if (records.empty()) {
     return absl::OkStatus();
   }
+  totals_.tasks_reused += std::ssize(records);
   COHORT_RETURN_IF_ERROR(catalog_.SaveTasks(records, {}));
   for (const JobTask& record : records) {
     const absl::Status verdict = active.plan->TaskFinished(record.task.number, *record.task.result);
@@ -253,6 +254,7 @@ absl::Status Coordinator::EndJob(ActiveJob& active, JobState state, const std::s
   COHORT_RETURN_IF_ERROR(catalog_.FinishJob(ended, outputs, active.plan->Meshes()));
   spdlog::info("event=job_ended job={} state={} error=\"{}\"", ended.id.value, JobStateName(state),
                error);
+  ++totals_.jobs_ended[state];
   active.job = ended;
   scheduler_.RemoveJob(ended.id);
   changes_.push_back(ended);

@@ -58,6 +58,8 @@ absl::StatusOr<WorkerOrders> Coordinator::Synchronize(const WorkerReport& report
       clock_.Now() + std::chrono::milliseconds(static_cast<int64_t>(report.wait_seconds * 1000));
   QueuedReport queued{.report = report, .is_cancelled = is_cancelled, .orders = {}, .status = {}};
   std::vector<Job> changes;
+  const MonotonicTime called = clock_.Now();
+  double waited_seconds = 0;  // For a task; not for the server.
   while (true) {
     queued.is_answered = false;
     {
@@ -81,7 +83,9 @@ absl::StatusOr<WorkerOrders> Coordinator::Synchronize(const WorkerReport& report
     ++waiting_;
     work_.WaitUntil(mutex_, std::min(deadline, now + kWaitStep));
     --waiting_;
+    waited_seconds += SecondsBetween(now, clock_.Now());
   }
+  synchronize_timer_.Add(SecondsBetween(called, clock_.Now()) - waited_seconds);
   Notify(changes);
   COHORT_RETURN_IF_ERROR(queued.status);
   return queued.orders;
@@ -116,6 +120,8 @@ void Coordinator::AnswerReports() {
       }
     }
   }
+  NoteLost();
+  NoteReady(now, std::ssize(write.tasks));
   absl::Status saved = GiveUp(given_up,
                               " was lost with too many workers; see their logs (out of "
                               "memory?)");
@@ -223,6 +229,7 @@ ActiveJob* Coordinator::FindOpen(const TaskId& task) {
 absl::StatusOr<bool> Coordinator::CompleteTask(const WorkerId& worker,
                                                const Lease& lease,
                                                const TaskResult& result) {
+  const MonotonicTime called = clock_.Now();
   COHORT_RETURN_IF_ERROR(CheckOutputs(result));
   QueuedCompletion queued{
       .worker = worker, .lease = lease, .result = result, .outcome = std::nullopt};
@@ -240,6 +247,7 @@ absl::StatusOr<bool> Coordinator::CompleteTask(const WorkerId& worker,
   }
   work_.NotifyAll();
   Notify(changes);
+  complete_timer_.Add(SecondsBetween(called, clock_.Now()));
   return *queued.outcome;
 }
 
@@ -255,6 +263,10 @@ void Coordinator::TakeCompletions() {
   for (QueuedCompletion* queued : batch) {
     queued->outcome = false;
     if (FindOpen(queued->lease.task) == nullptr || !seen.insert(queued->lease.task).second) {
+      ++totals_.tasks_superseded;
+      spdlog::info("event=result_superseded job={} task={} epoch={} worker={}",
+                   queued->lease.task.job.value, queued->lease.task.number, queued->lease.epoch,
+                   queued->worker.value);
       continue;
     }
     absl::StatusOr<Completion> completion = CompletionOf(*queued);
@@ -325,6 +337,7 @@ void Coordinator::Apply(const QueuedCompletion& queued) {
   if (IsFinal(active.job.state)) {
     return;  // By a result of the same batch.
   }
+  totals_.NoteDone(StageKind(active.plan->StageOf(task.number)), queued.result.seconds);
   const absl::Status verdict = active.plan->TaskFinished(task.number, queued.result);
   Touch(active);
   if (!verdict.ok()) {
@@ -375,6 +388,7 @@ absl::Status Coordinator::FailTask(const WorkerId& worker,
     if (const auto status = workers_.find(worker); status != workers_.end()) {
       ++status->second.tasks_failed;
     }
+    ++totals_.tasks_failed;
     const std::string message(failure.message());
     const bool is_retryable = unreadable.has_value() || IsRetryable(failure.code());
     if (scheduler_.Fail(lease, is_retryable, clock_.Now())) {
@@ -385,8 +399,8 @@ absl::Status Coordinator::FailTask(const WorkerId& worker,
       const JobTask task{.job = lease.task.job, .task = std::move(record)};
       COHORT_RETURN_IF_ERROR(catalog_.SaveTasks(std::span(&task, 1), {}));
     }
-    spdlog::warn("event=task_failed job={} task={} stage=\"{}\" worker={} error=\"{}\"",
-                 lease.task.job.value, lease.task.number,
+    spdlog::warn("event=task_failed job={} task={} epoch={} stage=\"{}\" worker={} error=\"{}\"",
+                 lease.task.job.value, lease.task.number, lease.epoch,
                  IsFinal(active.job.state) ? "" : active.plan->StageOf(lease.task.number),
                  worker.value, message);
     changes = TakeChanges();
@@ -408,31 +422,15 @@ absl::Status Coordinator::GiveUp(const std::vector<TaskId>& tasks, const std::st
     record.given_up = true;
     record.last_error = text;
     active.given_up.emplace(task.number, text);
+    ++totals_.tasks_given_up;
+    spdlog::error("event=task_given_up job={} task={} epoch={} failures={} losses={} error=\"{}\"",
+                  task.job.value, task.number, record.epoch, record.failures, record.losses, text);
     Touch(active);
     const JobTask written{.job = task.job, .task = std::move(record)};
     COHORT_RETURN_IF_ERROR(catalog_.SaveTasks(std::span(&written, 1), std::span(&active.job, 1)));
     COHORT_RETURN_IF_ERROR(EndIfStuck(active));
   }
   return absl::OkStatus();
-}
-
-std::vector<WorkerStatus> Coordinator::ListWorkers() {
-  const MutexLock lock(mutex_);
-  const MonotonicTime now = clock_.Now();
-  std::vector<WorkerStatus> workers;
-  workers.reserve(workers_.size());
-  for (const auto& [id, status] : workers_) {
-    workers.push_back(status);
-    workers.back().silent_seconds = SecondsBetween(last_seen_.at(id), now);
-    for (RunningTask& running : workers.back().running) {
-      const Lease& lease = running.held.lease;
-      if (const auto granted = scheduler_.GrantedAt(lease)) {
-        running.stage = active_.at(lease.task.job).plan->StageOf(lease.task.number);
-        running.seconds = SecondsBetween(*granted, now);
-      }
-    }
-  }
-  return workers;
 }
 
 absl::Status Coordinator::Tick() {
@@ -455,10 +453,14 @@ absl::Status Coordinator::Tick() {
     std::erase_if(last_seen_, [&](const auto& seen) {
       const bool is_gone = SecondsBetween(seen.second, now) > forget;
       if (is_gone) {
+        spdlog::info("event=worker_gone worker={} silent_seconds={:.0f}", seen.first.value,
+                     SecondsBetween(seen.second, now));
         workers_.erase(seen.first);
       }
       return is_gone;
     });
+    NoteLost();
+    NoteReady(now, 0);
     changes = TakeChanges();
   }
   work_.NotifyAll();

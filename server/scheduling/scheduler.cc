@@ -89,6 +89,7 @@ std::vector<Lease> Scheduler::Grant(const WorkerId& worker, int count, Monotonic
       break;
     }
     granted.push_back(GrantTo(worker, *slow, now));
+    ++second_copy_count_;
   }
   return granted;
 }

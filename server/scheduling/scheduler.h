@@ -52,6 +52,12 @@ enum class CompletionVerdict {
   kNotActive,  ///< Unknown, cancelled or given up.
 };
 
+/// A lease that was taken back.
+struct LostLease {
+  Lease lease;
+  WorkerId worker;
+};
+
 /// What a worker is told about the leases that it reported.
 struct Renewal {
   std::vector<Lease> lost;       ///< Expired, taken back, cancelled, done: the worker stops them.
@@ -118,6 +124,10 @@ class Scheduler {
   /// Tasks that wait for a worker or for the end of their back-off.
   [[nodiscard]] int64_t ReadyCount() const;
   [[nodiscard]] int64_t LeasedCount() const { return leased_count_; }
+  /// Leases taken back since the last call because their workers were silent or did not get on.
+  [[nodiscard]] std::vector<LostLease> TakeLost() { return std::exchange(lost_, {}); }
+  /// Second copies handed out of tasks that took too long, since the start.
+  [[nodiscard]] int64_t SecondCopyCount() const { return second_copy_count_; }
   /// Tasks of the job that are ready, wait or are out: 0 if all are done or given up.
   [[nodiscard]] int64_t OpenCount(const JobId& job) const;
 
@@ -186,6 +196,8 @@ class Scheduler {
   std::map<WorkerId, std::map<Lease, MonotonicTime>> told_;  ///< Since when to stop a lease.
   int64_t ready_count_ = 0;                                  ///< Not waiting.
   int64_t leased_count_ = 0;
+  std::vector<LostLease> lost_;  ///< Not told yet.
+  int64_t second_copy_count_ = 0;
   JobId last_served_;  ///< Equal jobs take turns after this one.
 };
 

@@ -190,7 +190,9 @@ void Scheduler::DropCopy(const Lease& lease, Entry::State then, MonotonicTime un
 bool Scheduler::Lose(const Lease& lease) {
   Entry& entry = *Find(lease.task);
   // What was not begun did its worker no harm.
-  if (FindCopy(lease)->ticks != HeldTask::kNotBegun) {
+  const Copy& copy = *FindCopy(lease);
+  lost_.push_back({.lease = lease, .worker = copy.worker});
+  if (copy.ticks != HeldTask::kNotBegun) {
     ++entry.attempts.losses;
   }
   const bool given_up = entry.attempts.losses >= options_.max_losses && entry.copies.size() == 1;

@@ -55,6 +55,12 @@ class MeshCache {
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const PackedSurface>> GetPlacedSurface(
       const Digest& blob, const Similarity& T_frame_mesh, const Eigen::Vector3d& frame_center);
 
+  /// Kept now, decoded.
+  [[nodiscard]] int64_t Bytes() {
+    const MutexLock lock(mutex_);
+    return bytes_;
+  }
+
  private:
   struct Entry {
     std::shared_ptr<const void> value;

@@ -5,8 +5,6 @@
 #include <new>
 #include <string>
 
-#include <spdlog/spdlog.h>
-
 #include "common/base/status_macros.h"
 #include "worker/tasks/align_task.h"
 #include "worker/tasks/choose_base_task.h"
@@ -78,7 +76,6 @@ absl::StatusOr<TaskResult> TaskRunner::Run(const Task& task,
                                            std::atomic<int64_t>& ticks) {
   COHORT_ASSIGN_OR_RETURN(ComputeSlots::Permit permit, slots_.Acquire(stop));
   ticks = 0;
-  spdlog::debug("event=task_begun task={} stage=\"{}\"", task.number, task.stage);
   const auto start = std::chrono::steady_clock::now();
   try {
     absl::StatusOr<TaskResult> result = Dispatch(task, {.store = store_,
