@@ -1,0 +1,81 @@
+#include "common/jobs/action_key.h"
+
+#include <functional>
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace cohort {
+namespace {
+
+TEST(ActionKey, DoesNotDependOnWhereInTheJobTheTaskIs) {
+  Task task;
+  const std::string key = ActionKey(task);
+  EXPECT_EQ(key.size(), 64U);
+  task.number = 7;
+  task.stage = "compare";
+  task.cost = 3;
+  EXPECT_EQ(ActionKey(task), key);
+}
+
+TEST(ActionKey, ChangesWithEverythingThatTheResultDependsOn) {
+  const TaskMesh mesh{.index = 1, .name = "a", .blob = Sha256::Of("a")};
+  const std::vector<std::function<void(Task&)>> changes = {
+      [](Task&) {},
+      [](Task& task) { task.kind = TaskKind::kCompare; },
+      [&](Task& task) { task.meshes = {mesh}; },
+      [&](Task& task) {
+        task.meshes = {mesh};
+        task.meshes[0].index = 2;
+      },
+      [&](Task& task) {
+        task.meshes = {mesh};
+        task.meshes[0].name = "b";
+      },
+      [&](Task& task) {
+        task.meshes = {mesh};
+        task.meshes[0].blob = Sha256::Of("b");
+      },
+      [&](Task& task) { task.targets = {mesh}; },
+      [](Task& task) { task.reference = Sha256::Of("a"); },
+      [](Task& task) { task.alignments = {Sha256::Of("a")}; },
+      [](Task& task) { task.partials = {Sha256::Of("a")}; },
+      [](Task& task) {
+        task.partials = {Sha256::Of("a"), Sha256::Of("b")};
+      },
+      [](Task& task) {
+        task.partials = {Sha256::Of("b"), Sha256::Of("a")};
+      },
+      [](Task& task) { task.landmarks = Sha256::Of("a"); },
+      [](Task& task) { task.icp.tolerance *= 2; },
+      [](Task& task) { task.icp.trimmed_share = 0.25; },
+      [](Task& task) { task.undersampling.method = UndersamplingMethod::kRandom; },
+      [](Task& task) { task.undersampling.seed = 99; },
+      [](Task& task) { task.compare.retention = Retention::kSketch; },
+      [](Task& task) { task.compare.sign = DistanceSign::kSigned; },
+      [](Task& task) { task.position_bits = 12; },
+      [](Task& task) { task.arithmetic = Arithmetic::kFidentis; },
+      [](Task& task) { task.wants_placed = true; },
+      [](Task& task) { task.wants_displacement = true; },
+      [](Task& task) { task.counts_reference_index = true; },
+      [](Task& task) { task.moves_reference = true; },
+      [](Task& task) { task.frame_center = {0, 0, 1e-9}; },
+  };
+  std::set<std::string> keys;
+  for (const auto& change : changes) {
+    Task task;
+    change(task);
+    keys.insert(ActionKey(task));
+  }
+  EXPECT_EQ(keys.size(), changes.size());
+}
+
+TEST(ActionKey, TakesNamesThatAreNotUtf8) {
+  Task task;
+  task.meshes = {{.index = 0, .name = "\xff\xfe", .blob = {}}};
+  EXPECT_EQ(ActionKey(task).size(), 64U);
+}
+
+}  // namespace
+}  // namespace cohort
