@@ -37,8 +37,8 @@ struct CoordinatorOptions {
   SchedulerOptions scheduler;
   std::string build;      ///< Workers of another build are refused.
   int most_waiting = 64;  ///< Workers that may wait for a task inside a call; others call again.
-  StoreReserve reserve;
-  GarbageOptions garbage;  ///< Where nobody asks for others.
+  StoreReserve reserve = {};
+  GarbageOptions garbage = {};  ///< Where nobody asks for others.
 };
 
 /// Hears of every change of a job. Called without any lock held, possibly from several threads.
