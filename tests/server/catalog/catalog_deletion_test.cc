@@ -158,6 +158,10 @@ TEST_P(CatalogDeletionTest, TellsEveryBlobThatARowRefersTo) {
                               .fields = {blob("field")},
                               .base_choice = blob("base"),
                               .preview = {blob("preview")},
+                              .frame = {.reference = blob("frame"), .center = {1, 2, 3}},
+                              .imported = {{.tiles = {blob("imported tile")},
+                                            .fields = {blob("imported field")},
+                                            .mesh_of = {0, -1}}},
                               .poses = {blob("pose")}};
   ASSERT_THAT(catalog_->FinishJob(job, outputs, meshes), IsOk());
 

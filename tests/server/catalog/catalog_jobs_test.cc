@@ -68,7 +68,7 @@ void Advance(Job& job) {
   job.started_unix_ms = 1'700'000'000'001;
   job.finished_unix_ms = 1'700'000'000'002;
   job.rejected_meshes = 1;
-  job.progress = {"align 1", 3, 10, 1.0 / 3, 1e10, {{"ingest", 4, 5}}};
+  job.progress = {"align 1", 3, 10, 1.0 / 3, 1e10, {{"ingest", 4, 5}}, 2, 1, "space"};
   job.counters.align = {5, 123'456'789'012};
   job.counters.pairs = 9;
 }

@@ -19,8 +19,8 @@ std::string OutputsOf(JobSpec spec) {
   EXPECT_TRUE(job.status.ok()) << job.status;
   const JobOutputs& outputs = job.plan->Outputs();
   std::string names = absl::StrCat(outputs.mean_shape.Hex(), outputs.summary.Hex());
-  for (const auto* blobs : {&outputs.tiles, &outputs.alignments, &outputs.fields, &outputs.poses,
-                            &outputs.preview}) {
+  for (const auto* blobs :
+       {&outputs.tiles, &outputs.alignments, &outputs.fields, &outputs.poses, &outputs.preview}) {
     for (const Digest& blob : *blobs) {
       names += blob.Hex();
     }
