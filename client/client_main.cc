@@ -20,6 +20,7 @@ constexpr char kFooter[] =
     "  cohort serve --data /var/lib/cohort --listen 0.0.0.0:7450\n"
     "  cohort work --server coordinator:7450\n"
     "  cohort add scans/*.ply --set brno-2016 --server coordinator:7450\n"
+    "  cohort estimate --set brno-2016 --server coordinator:7450\n"
     "  cohort submit --set brno-2016 --wait --server coordinator:7450\n"
     "  cohort results j-000001 --out results --server coordinator:7450\n"
     "\n"
@@ -39,6 +40,7 @@ int Dispatch(int argc, char** argv) {
   AddServeCommand(app, action);
   AddWorkCommand(app, action);
   AddAddCommand(app, action);
+  AddEstimateCommand(app, action);
   AddSubmitCommand(app, action);
   AddStatusCommand(app, action);
   AddWatchCommand(app, action);

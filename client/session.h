@@ -15,6 +15,7 @@
 #include "cohort/v1/mesh_service.grpc.pb.h"
 #include "cohort/v1/result_service.grpc.pb.h"
 #include "common/analysis/metric_matrix.h"
+#include "common/jobs/estimate.h"
 #include "common/jobs/job_state.h"
 #include "common/jobs/worker_status.h"
 #include "common/rpc/rpc_blob_store.h"
@@ -60,6 +61,8 @@ class Session {
   [[nodiscard]] absl::StatusOr<Job> CreateJob(const std::string& set,
                                               const JobSpec& spec,
                                               const std::string& request_id);
+  /// What such a job would take.
+  [[nodiscard]] absl::StatusOr<Estimate> EstimateJob(const std::string& set, const JobSpec& spec);
   [[nodiscard]] absl::StatusOr<Job> GetJob(const JobId& id);
   /// Newest first, at most `limit`.
   [[nodiscard]] absl::StatusOr<std::vector<Job>> ListJobs(int limit);

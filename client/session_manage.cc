@@ -3,6 +3,7 @@
 #include "common/base/status_macros.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/convert.h"
+#include "common/rpc/convert_estimate.h"
 #include "common/rpc/grpc_status.h"
 
 namespace cohort {
@@ -27,6 +28,15 @@ absl::StatusOr<Response> Call(Stub& stub,
 }
 
 }  // namespace
+
+absl::StatusOr<Estimate> Session::EstimateJob(const std::string& set, const JobSpec& spec) {
+  v1::EstimateJobRequest request;
+  request.set_set(set);
+  *request.mutable_spec() = ToProto(spec);
+  COHORT_ASSIGN_OR_RETURN(const auto response,
+                          Call(*jobs_, &v1::JobService::Stub::EstimateJob, request, address_));
+  return FromProto(response.estimate());
+}
 
 absl::StatusOr<Job> Session::CancelJob(const JobId& id) {
   v1::CancelJobRequest request;

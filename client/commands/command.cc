@@ -30,7 +30,9 @@ absl::StatusOr<Job> FollowJob(Session& session,
     if (const std::string text = remark ? remark(job) : ""; !text.empty()) {
       line.Say(text);
     }
-    line.Show(job, elapsed.count());
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    line.Show(job, elapsed.count(),
+              std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
     return true;
   });
 }

@@ -29,6 +29,7 @@ void AddRunCommand(CLI::App& app, Action& action);
 void AddServeCommand(CLI::App& app, Action& action);
 void AddWorkCommand(CLI::App& app, Action& action);
 void AddAddCommand(CLI::App& app, Action& action);
+void AddEstimateCommand(CLI::App& app, Action& action);
 void AddSubmitCommand(CLI::App& app, Action& action);
 void AddStatusCommand(CLI::App& app, Action& action);
 void AddWatchCommand(CLI::App& app, Action& action);

@@ -10,6 +10,7 @@
 #include "client/commands/command.h"
 #include "client/job_flags.h"
 #include "client/landmark_files.h"
+#include "client/output/estimate_text.h"
 #include "client/output/exit_codes.h"
 #include "client/output/job_text.h"
 #include "client/preview.h"
@@ -62,6 +63,11 @@ absl::StatusOr<int> Submit(const JobCommandFlags& flags) {
   COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, flags.server.Connect());
   if (flags.spec.UsesLandmarks()) {
     COHORT_RETURN_IF_ERROR(SendLandmarks(flags, *session, spec));
+  }
+  if (spec.method == Method::kEach) {
+    // No more than a word of warning: a job that cannot be planned is refused below.
+    const absl::StatusOr<Estimate> estimate = session->EstimateJob(flags.set, spec);
+    std::cerr << (estimate.ok() ? EstimateWarnings(*estimate) : "");
   }
   // With an id of its own, a request that has to be repeated cannot start a second job.
   const std::string request_id = flags.request_id.empty() ? RandomId() : flags.request_id;

@@ -28,7 +28,7 @@ std::string FormatDuration(double seconds) {
   return fmt::format("{}:{:02}", total / 60, total % 60);
 }
 
-std::string FormatProgress(const Job& job, double elapsed_seconds, int bar_width) {
+std::string FormatProgress(const Job& job, const JobPace& pace, int bar_width) {
   const Progress& progress = job.progress;
   const double share = ShareDone(progress);
   const int filled = static_cast<int>(share * bar_width);
@@ -37,12 +37,14 @@ std::string FormatProgress(const Job& job, double elapsed_seconds, int bar_width
       std::string(static_cast<size_t>(filled), '#'),
       std::string(static_cast<size_t>(bar_width - filled), '.'), static_cast<int>(share * 100),
       progress.tasks_done, progress.tasks_total);
-  if (elapsed_seconds > 0 && progress.tasks_done > 0) {
-    text += fmt::format("  {:.1f}/s", static_cast<double>(progress.tasks_done) / elapsed_seconds);
+  if (pace.TasksPerSecond() > 0) {
+    text += fmt::format("  {:.1f}/s", pace.TasksPerSecond());
   }
-  // Before a twentieth is done the rate says little about the rest.
-  if (share >= 0.05 && share < 1) {
-    text += "  ETA " + FormatDuration(elapsed_seconds * (1 - share) / share);
+  if (job.state == JobState::kPaused) {
+    text += "  paused";
+  }
+  if (const std::optional<double> seconds = pace.RemainingSeconds()) {
+    text += "  ETA " + FormatDuration(*seconds);
   }
   return text;
 }
@@ -61,13 +63,14 @@ void ProgressLine::Say(const std::string& text) {
   open_ = false;
 }
 
-void ProgressLine::Show(const Job& job, double elapsed_seconds) {
+void ProgressLine::Show(const Job& job, double elapsed_seconds, int64_t now_unix_ms) {
+  pace_.Note(job, elapsed_seconds, now_unix_ms);
   if (job.progress.waiting_for != waiting_for_) {
     waiting_for_ = job.progress.waiting_for;
     Say(waiting_for_.empty() ? "going on" : "waiting: " + waiting_for_);
   }
   if (is_terminal_) {
-    std::fprintf(out_, "\r\x1b[K%s", FormatProgress(job, elapsed_seconds, kBarWidth).c_str());
+    std::fprintf(out_, "\r\x1b[K%s", FormatProgress(job, pace_, kBarWidth).c_str());
     std::fflush(out_);
     open_ = true;
     return;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <string>
 
+#include "client/output/job_pace.h"
 #include "common/jobs/job_state.h"
 
 namespace cohort {
@@ -17,8 +19,8 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// @param elapsed_seconds  since the job was first shown; monotonic.
-  void Show(const Job& job, double elapsed_seconds);
+  /// @param elapsed_seconds, now_unix_ms  as JobPace::Note.
+  void Show(const Job& job, double elapsed_seconds, int64_t now_unix_ms);
   /// Puts a line of text above it.
   void Say(const std::string& text);
 
@@ -26,6 +28,7 @@ class ProgressLine {
   std::FILE* out_;
   const bool is_terminal_;
   bool open_ = false;  ///< The terminal's line has text.
+  JobPace pace_;
   std::string stage_;
   std::string waiting_for_;
   int tenth_ = -1;
@@ -36,6 +39,6 @@ class ProgressLine {
 
 /// The text of one progress line, e.g.
 /// "align 2      [########............]  41 %   210/512 tasks  12.3/s  ETA 0:25".
-[[nodiscard]] std::string FormatProgress(const Job& job, double elapsed_seconds, int bar_width);
+[[nodiscard]] std::string FormatProgress(const Job& job, const JobPace& pace, int bar_width);
 
 }  // namespace cohort

@@ -107,6 +107,8 @@ class Catalog {
                                               const std::string& request_id,
                                               int64_t now_unix_ms,
                                               const JobOutputs& kept = {});
+  /// The job that was created with a non-empty request id, if there is one.
+  [[nodiscard]] absl::StatusOr<std::optional<Job>> FindJobOfRequest(const std::string& request_id);
   /// Writes everything of the job that can change (state, error, version, times, progress,
   /// counters, rejected count).
   [[nodiscard]] absl::Status UpdateJob(const Job& job);

@@ -115,6 +115,17 @@ absl::StatusOr<Job> Catalog::CreateJob(const Job& job,
   return created;
 }
 
+absl::StatusOr<std::optional<Job>> Catalog::FindJobOfRequest(const std::string& request_id) {
+  return database_->ReadValue<std::optional<Job>>(
+      [&](soci::session& sql) -> absl::StatusOr<std::optional<Job>> {
+        COHORT_ASSIGN_OR_RETURN(
+            std::vector<Job> existing,
+            SelectJobs(sql, "WHERE request_id = :request_id AND request_id <> ''",
+                       [&](soci::statement& select) { select.exchange(soci::use(request_id)); }));
+        return existing.empty() ? std::nullopt : std::optional<Job>(std::move(existing[0]));
+      });
+}
+
 absl::Status Catalog::UpdateJob(const Job& job) {
   return database_->Write([&](soci::session& sql) { return UpdateJobRow(sql, job); });
 }

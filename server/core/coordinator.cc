@@ -123,13 +123,7 @@ absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
   COHORT_RETURN_IF_ERROR(spec.Validate());
   COHORT_RETURN_IF_ERROR(CheckSpace());
   COHORT_RETURN_IF_ERROR(CheckLandmarks(spec));
-  std::vector<SetMesh> meshes;
-  std::string token;
-  do {
-    COHORT_ASSIGN_OR_RETURN(Page<SetMesh> page, catalog_.ListMeshes(set, kCatalogPageSize, token));
-    meshes.insert(meshes.end(), page.items.begin(), page.items.end());
-    token = page.next_token;
-  } while (!token.empty());
+  COHORT_ASSIGN_OR_RETURN(const std::vector<SetMesh> meshes, AllMeshes(set));
   JobSpec complete = spec;
   JobOutputs kept;
   if (!spec.reference_job.empty()) {
@@ -139,6 +133,8 @@ absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
   }
   COHORT_ASSIGN_OR_RETURN(std::unique_ptr<JobPlan> plan,
                           JobPlan::Create(complete, meshes, {}, kept));
+  COHORT_RETURN_IF_ERROR(CheckRoom({.set = set, .spec = complete, .request_id = request_id}, meshes,
+                                   kept, plan->Forecast()));
 
   Job wanted;
   wanted.set = set;
@@ -171,6 +167,17 @@ absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
   work_.NotifyAll();
   Notify(changes);
   return created;
+}
+
+absl::StatusOr<std::vector<SetMesh>> Coordinator::AllMeshes(const std::string& set) {
+  std::vector<SetMesh> meshes;
+  std::string token;
+  do {
+    COHORT_ASSIGN_OR_RETURN(Page<SetMesh> page, catalog_.ListMeshes(set, kCatalogPageSize, token));
+    meshes.insert(meshes.end(), page.items.begin(), page.items.end());
+    token = page.next_token;
+  } while (!token.empty());
+  return meshes;
 }
 
 absl::StatusOr<ReferenceFrame> Coordinator::FrameFor(const JobSpec& spec,

@@ -16,6 +16,7 @@
 #include "common/base/call_times.h"
 #include "common/base/clock.h"
 #include "common/base/mutex.h"
+#include "common/jobs/estimate.h"
 #include "common/jobs/job_state.h"
 #include "common/jobs/lease.h"
 #include "common/jobs/task.h"
@@ -28,6 +29,7 @@
 #include "server/core/garbage.h"
 #include "server/core/reference_frame.h"
 #include "server/core/store_reserve.h"
+#include "server/core/task_rates.h"
 #include "server/results/matrix_builder.h"
 #include "server/scheduling/scheduler.h"
 
@@ -86,6 +88,9 @@ class Coordinator {
   [[nodiscard]] absl::StatusOr<Job> CreateJob(const std::string& set,
                                               const JobSpec& spec,
                                               const std::string& request_id);
+  /// What a job would take, before anything is spent.
+  /// @return as CreateJob for a job that cannot be planned; not for one that does not fit.
+  [[nodiscard]] absl::StatusOr<Estimate> EstimateJob(const std::string& set, const JobSpec& spec);
   [[nodiscard]] absl::StatusOr<Job> GetJob(const JobId& id);
   [[nodiscard]] absl::StatusOr<Page<Job>> ListJobs(int page_size, const std::string& token);
   /// Cancels; a job that has ended stays as it is.
@@ -170,6 +175,12 @@ class Coordinator {
     const TaskResult& result;
     std::optional<absl::StatusOr<bool>> outcome;
   };
+  /// What was asked for when a job was created.
+  struct JobRequest {
+    const std::string& set;
+    const JobSpec& spec;
+    const std::string& request_id;
+  };
   /// A worker's call that waits for the lock.
   struct QueuedReport {
     const WorkerReport& report;
@@ -218,6 +229,21 @@ class Coordinator {
   void ServeJob(const ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<JobOutputs> OutputsSoFar(const JobId& id) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status CheckLandmarks(const JobSpec& spec);
+  absl::StatusOr<std::vector<SetMesh>> AllMeshes(const std::string& set);
+  /// With what ingest knows of the meshes.
+  absl::StatusOr<JobForecast> ForecastJob(const JobSpec& spec,
+                                          const std::vector<SetMesh>& meshes,
+                                          const JobOutputs& kept);
+  absl::StatusOr<Estimate> EstimateOver(const JobSpec& spec, const std::vector<SetMesh>& meshes);
+  /// Whether the store can hold what a new job writes.
+  /// @param rough  its forecast, for jobs so small that it need not be right.
+  /// @return kResourceExhausted (STORE_TOO_SMALL) with the numbers.
+  absl::Status CheckRoom(const JobRequest& request,
+                         const std::vector<SetMesh>& meshes,
+                         const JobOutputs& kept,
+                         const JobForecast& rough);
+  /// True if the request has a job already, or its results are there from another.
+  absl::StatusOr<bool> WritesNothingNew(const JobRequest& request);
   absl::StatusOr<ReferenceFrame> FrameFor(const JobSpec& spec, const std::vector<SetMesh>& meshes);
   void Touch(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Drops ended jobs and returns what observers are to hear.
@@ -301,6 +327,7 @@ class Coordinator {
   std::map<WorkerId, WorkerStatus> workers_ ABSL_GUARDED_BY(mutex_);
   std::map<WorkerId, MonotonicTime> last_seen_ ABSL_GUARDED_BY(mutex_);
   EventTotals totals_ ABSL_GUARDED_BY(mutex_);
+  TaskRates rates_ ABSL_GUARDED_BY(mutex_);
   /// Since when tasks have been ready and none was handed out; nothing: none is ready.
   std::optional<MonotonicTime> ready_since_ ABSL_GUARDED_BY(mutex_);
   CallTimer synchronize_timer_;

@@ -337,7 +337,10 @@ void Coordinator::Apply(const QueuedCompletion& queued) {
   if (IsFinal(active.job.state)) {
     return;  // By a result of the same batch.
   }
-  totals_.NoteDone(StageKind(active.plan->StageOf(task.number)), queued.result.seconds);
+  const std::string stage = active.plan->StageOf(task.number);
+  totals_.NoteDone(StageKind(stage), queued.result.seconds);
+  rates_.Note(TaskRates::KindOf(active.job.spec, stage), active.plan->CostOf(task.number),
+              queued.result.seconds);
   const absl::Status verdict = active.plan->TaskFinished(task.number, queued.result);
   Touch(active);
   if (!verdict.ok()) {

@@ -23,9 +23,16 @@ absl::Status StoreReserve::Validate() const {
   return absl::OkStatus();
 }
 
+double StoreReserve::Wanted(const StoreSpace& space) const {
+  return std::max(static_cast<double>(bytes), share * static_cast<double>(space.total_bytes));
+}
+
+int64_t StoreReserve::Available(const StoreSpace& space) const {
+  return std::max<int64_t>(0, space.free_bytes - static_cast<int64_t>(Wanted(space)));
+}
+
 absl::Status StoreReserve::Check(const StoreSpace& space) const {
-  const double wanted =
-      std::max(static_cast<double>(bytes), share * static_cast<double>(space.total_bytes));
+  const double wanted = Wanted(space);
   const auto free = static_cast<double>(space.free_bytes);
   if (free >= wanted) {
     return absl::OkStatus();

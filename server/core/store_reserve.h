@@ -16,8 +16,13 @@ struct StoreReserve {
 
   /// @return kInvalidArgument naming the field.
   [[nodiscard]] absl::Status Validate() const;
+  /// What may be written before the reserve is reached; never negative.
+  [[nodiscard]] int64_t Available(const StoreSpace& space) const;
   /// @return kResourceExhausted (STORE_FULL) naming the numbers if there is less.
   [[nodiscard]] absl::Status Check(const StoreSpace& space) const;
+
+ private:
+  [[nodiscard]] double Wanted(const StoreSpace& space) const;
 };
 
 }  // namespace cohort

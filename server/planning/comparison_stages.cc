@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/planning/block_pairs.h"
+#include "server/planning/kept_bytes.h"
 #include "server/planning/stage.h"
 
 namespace cohort {
@@ -86,46 +87,6 @@ TilePlace TileAt(const PlanState& state, int64_t task) {
 std::array<double, 3> FrameCenter(const PlanState& state) {
   return state.HasKeptFrame() ? state.outputs.frame.center
                               : state.meshes[static_cast<size_t>(state.base)].ingested->centroid;
-}
-
-/// Bytes that keeping the distances of all pairs takes, roughly.
-double BytesKept(const PlanState& state, Retention retention) {
-  constexpr double kVectorBytes = 3.3;
-  constexpr double kCompactBytes = 1.7;
-  constexpr double kSketchBytes = 700;
-  const auto meshes = static_cast<double>(state.ActiveCount());
-  const double distances = state.active_vertices * meshes;
-  switch (retention) {
-    case Retention::kVectors:
-      return distances * kVectorBytes;
-    case Retention::kCompact:
-      return distances * kCompactBytes;
-    case Retention::kSketch:
-      return meshes * meshes * kSketchBytes;
-    case Retention::kMetrics:
-    case Retention::kAuto:
-      break;
-  }
-  return 0;
-}
-
-/// The job's options with Retention::kAuto decided: by the meshes alone, so that every task, also
-/// after a restart, decides the same.
-CompareOptions ResolvedCompare(const PlanState& state) {
-  CompareOptions compare = state.spec.compare;
-  if (compare.retention == Retention::kAuto) {
-    compare.retention = Retention::kMetrics;
-    for (const Retention richer : {Retention::kSketch, Retention::kCompact, Retention::kVectors}) {
-      // The predecessor's distances are kept whole or not at all.
-      if (state.spec.arithmetic == Arithmetic::kFidentis && richer != Retention::kVectors) {
-        continue;
-      }
-      if (BytesKept(state, richer) <= static_cast<double>(state.spec.retention_budget)) {
-        compare.retention = richer;
-      }
-    }
-  }
-  return compare;
 }
 
 void AddFields(PlanState& state, const TaskResult& result) {

@@ -8,6 +8,7 @@
 
 #include "common/jobs/job_state.h"
 #include "common/jobs/task.h"
+#include "server/planning/job_forecast.h"
 
 namespace cohort {
 
@@ -67,6 +68,10 @@ class JobPlan {
   [[nodiscard]] virtual absl::Status TaskFinished(int64_t number, const TaskResult& result) = 0;
 
   [[nodiscard]] virtual bool Done() const = 0;
+  /// Rough seconds (Task::cost). @param number  as MakeTask.
+  [[nodiscard]] virtual double CostOf(int64_t number) const = 0;
+  /// What all that is not finished takes, as far as the plan foresees it now.
+  [[nodiscard]] virtual JobForecast Forecast() const = 0;
   [[nodiscard]] virtual Progress CurrentProgress() const = 0;
   [[nodiscard]] virtual const Counters& TotalCounters() const = 0;
   /// In the job's order, with what is known of each so far.

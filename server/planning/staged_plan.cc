@@ -92,6 +92,38 @@ Progress StagedPlan::CurrentProgress() const {
   return progress;
 }
 
+double StagedPlan::CostOf(int64_t number) const {
+  return open_.at(static_cast<size_t>(number - first_number_)).cost;
+}
+
+JobForecast StagedPlan::Forecast() const {
+  JobForecast forecast = ForecastOf(state_);
+  const auto add = [&](const Stage& stage, double cost) {
+    const std::string name = stage.Name();
+    if (forecast.stages.empty() || forecast.stages.back().name != name) {
+      forecast.stages.push_back({.name = name, .tasks = 0, .cost = 0, .longest = 0});
+    }
+    StageForecast& last = forecast.stages.back();
+    ++last.tasks;
+    last.cost += cost;
+    last.longest = std::max(last.longest, cost);
+  };
+  for (const OpenTask& open : open_) {
+    if (open.fate != OpenTask::Fate::kFinished) {
+      add(*open.stage, open.cost);
+    }
+  }
+  for (size_t later = step_ + 1; later < steps_.size(); ++later) {
+    for (const std::unique_ptr<const Stage>& stage : steps_[later]) {
+      const int64_t tasks = stage->TaskCount(state_);
+      for (int64_t place = 0; place < tasks; ++place) {
+        add(*stage, stage->TaskCost(state_, place));
+      }
+    }
+  }
+  return forecast;
+}
+
 Task StagedPlan::MakeTask(int64_t number) const {
   const OpenTask& open = open_.at(static_cast<size_t>(number - first_number_));
   Task task = open.stage->MakeTask(state_, open.place);

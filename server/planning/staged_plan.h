@@ -29,6 +29,8 @@ class StagedPlan final : public JobPlan {
   [[nodiscard]] absl::Status Check(int64_t number, const TaskResult& result) const override;
   [[nodiscard]] absl::Status TaskFinished(int64_t number, const TaskResult& result) override;
   [[nodiscard]] bool Done() const override { return step_ == steps_.size(); }
+  [[nodiscard]] double CostOf(int64_t number) const override;
+  [[nodiscard]] JobForecast Forecast() const override;
   [[nodiscard]] Progress CurrentProgress() const override;
   [[nodiscard]] const Counters& TotalCounters() const override { return counters_; }
   [[nodiscard]] const std::vector<JobMesh>& Meshes() const override { return state_.meshes; }

@@ -1,6 +1,7 @@
 #include "server/services/job_service.h"
 
 #include "common/rpc/convert.h"
+#include "common/rpc/convert_estimate.h"
 #include "common/rpc/grpc_status.h"
 
 namespace cohort {
@@ -32,6 +33,21 @@ grpc::Status JobServiceSkin::CreateJob(grpc::ServerContext* /*context*/,
     return ToGrpcStatus(spec.status());
   }
   return Answer(coordinator_.CreateJob(request->set(), *spec, request->request_id()), response);
+}
+
+grpc::Status JobServiceSkin::EstimateJob(grpc::ServerContext* /*context*/,
+                                         const v1::EstimateJobRequest* request,
+                                         v1::EstimateJobResponse* response) {
+  const absl::StatusOr<JobSpec> spec = FromProto(request->spec());
+  if (!spec.ok()) {
+    return ToGrpcStatus(spec.status());
+  }
+  const absl::StatusOr<Estimate> estimate = coordinator_.EstimateJob(request->set(), *spec);
+  if (!estimate.ok()) {
+    return ToGrpcStatus(estimate.status());
+  }
+  *response->mutable_estimate() = ToProto(*estimate);
+  return grpc::Status::OK;
 }
 
 grpc::Status JobServiceSkin::GetJob(grpc::ServerContext* /*context*/,

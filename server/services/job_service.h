@@ -16,6 +16,9 @@ class JobServiceSkin final
   grpc::Status CreateJob(grpc::ServerContext* context,
                          const v1::CreateJobRequest* request,
                          v1::CreateJobResponse* response) override;
+  grpc::Status EstimateJob(grpc::ServerContext* context,
+                           const v1::EstimateJobRequest* request,
+                           v1::EstimateJobResponse* response) override;
   grpc::Status GetJob(grpc::ServerContext* context,
                       const v1::GetJobRequest* request,
                       v1::GetJobResponse* response) override;

@@ -1,4 +1,5 @@
 """What a server and a worker tell Prometheus while a job runs, read over HTTP."""
+import json
 import re
 import time
 import unittest
@@ -81,6 +82,35 @@ class Metrics(ProgramTest):
         self.assertGreater(worker["cohort_worker_cache_bytes"], 0)
         with self.assertRaises(urllib.error.HTTPError):
             urllib.request.urlopen(page.replace("/metrics", "/"), timeout=10)
+
+    def test_an_estimate_is_what_the_job_then_is(self):
+        _, (address,) = self.start_server("unix:" + str(self.dir / "s"))
+
+        def call(*arguments, code=0):
+            result = cohort(*arguments, "--server", address)
+            self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+            return result
+
+        files = sorted(self.demo.glob("*.ply"))
+        call("add", *files, "--set", "s")
+        before = json.loads(call("estimate", "--set", "s", "--rounds", 2, "--json").stdout)
+        self.assertEqual(before["meshes"], len(files))
+        self.assertEqual(before["pairs"], len(files) * (len(files) - 1))
+        self.assertEqual((before["slots"], before["wall_seconds"]), (0, None))
+        self.assertEqual(before["measured_share"], 0)
+        self.assertTrue(before["fits"])
+        self.assertEqual(json.loads(call("jobs", "--json").stdout), [])
+        self.start("cohort-worker", "--server", address, "--threads", 2)
+        job = json.loads(call("submit", "--set", "s", "--rounds", 2, "--wait", "--json").stdout)
+        self.assertEqual(job["state"], "succeeded")
+        self.assertEqual(job["tasks_total"], sum(stage["tasks"] for stage in before["stages"]))
+        after = json.loads(call("estimate", "--set", "s", "--rounds", 2, "--json").stdout)
+        self.assertEqual(after["slots"], 2)
+        self.assertEqual(after["measured_share"], 1)
+        text = call("estimate", "--set", "s").stdout
+        self.assertIn("by the rates measured on this server", text)
+        self.assertIn("with the 2 slots", text)
+        call("estimate", "--set", "nothing", code=7)
 
     def test_an_address_that_cannot_be_served_is_refused(self):
         bad = cohort("serve", "--data", self.dir / "d", "--listen", "127.0.0.1:0",
