@@ -20,34 +20,30 @@ TEST(ActionKey, DoesNotDependOnWhereInTheJobTheTaskIs) {
 }
 
 TEST(ActionKey, ChangesWithEverythingThatTheResultDependsOn) {
-  const TaskMesh mesh{.index = 1, .name = "a", .blob = Sha256::Of("a")};
+  const Digest a = Sha256::Of("a");
+  const Digest b = Sha256::Of("b");
+  const TaskMesh mesh{.index = 1, .name = "a", .blob = a};
+  const TaskMesh elsewhere{.index = 2, .name = "a", .blob = a};
+  const TaskMesh renamed{.index = 1, .name = "b", .blob = a};
+  const TaskMesh other{.index = 1, .name = "a", .blob = b};
   const std::vector<std::function<void(Task&)>> changes = {
       [](Task&) {},
       [](Task& task) { task.kind = TaskKind::kCompare; },
       [&](Task& task) { task.meshes = {mesh}; },
-      [&](Task& task) {
-        task.meshes = {mesh};
-        task.meshes[0].index = 2;
-      },
-      [&](Task& task) {
-        task.meshes = {mesh};
-        task.meshes[0].name = "b";
-      },
-      [&](Task& task) {
-        task.meshes = {mesh};
-        task.meshes[0].blob = Sha256::Of("b");
-      },
+      [&](Task& task) { task.meshes = {elsewhere}; },
+      [&](Task& task) { task.meshes = {renamed}; },
+      [&](Task& task) { task.meshes = {other}; },
       [&](Task& task) { task.targets = {mesh}; },
-      [](Task& task) { task.reference = Sha256::Of("a"); },
-      [](Task& task) { task.alignments = {Sha256::Of("a")}; },
-      [](Task& task) { task.partials = {Sha256::Of("a")}; },
-      [](Task& task) {
-        task.partials = {Sha256::Of("a"), Sha256::Of("b")};
+      [&](Task& task) { task.reference = a; },
+      [&](Task& task) { task.alignments = {a}; },
+      [&](Task& task) { task.partials = {a}; },
+      [&](Task& task) {
+        task.partials = {a, b};
       },
-      [](Task& task) {
-        task.partials = {Sha256::Of("b"), Sha256::Of("a")};
+      [&](Task& task) {
+        task.partials = {b, a};
       },
-      [](Task& task) { task.landmarks = Sha256::Of("a"); },
+      [&](Task& task) { task.landmarks = a; },
       [](Task& task) { task.icp.tolerance *= 2; },
       [](Task& task) { task.icp.trimmed_share = 0.25; },
       [](Task& task) { task.undersampling.method = UndersamplingMethod::kRandom; },
@@ -60,7 +56,9 @@ TEST(ActionKey, ChangesWithEverythingThatTheResultDependsOn) {
       [](Task& task) { task.wants_displacement = true; },
       [](Task& task) { task.counts_reference_index = true; },
       [](Task& task) { task.moves_reference = true; },
-      [](Task& task) { task.frame_center = {0, 0, 1e-9}; },
+      [](Task& task) {
+        task.frame_center = {0, 0, 1e-9};
+      },
   };
   std::set<std::string> keys;
   for (const auto& change : changes) {

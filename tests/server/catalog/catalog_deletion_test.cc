@@ -150,19 +150,21 @@ TEST_P(CatalogDeletionTest, TellsEveryBlobThatARowRefersTo) {
   std::vector<JobMesh> meshes = catalog_->GetJobMeshes(job.id).value();
   meshes[0].ingested.emplace().blob = blob("mesh of the job");
   meshes[0].copy.emplace().blob = blob("copy of the job");
-  const JobOutputs outputs = {.tiles = {blob("tile 1"), blob("tile 2")},
-                              .alignments = {blob("alignment")},
-                              .mean_shape = blob("mean"),
-                              .summary = blob("summary"),
-                              .variation_shape = blob("variation"),
-                              .fields = {blob("field")},
-                              .base_choice = blob("base"),
-                              .preview = {blob("preview")},
-                              .frame = {.reference = blob("frame"), .center = {1, 2, 3}},
-                              .imported = {{.tiles = {blob("imported tile")},
-                                            .fields = {blob("imported field")},
-                                            .mesh_of = {0, -1}}},
-                              .poses = {blob("pose")}};
+  JobOutputs outputs;
+  outputs.tiles = {blob("tile 1"), blob("tile 2")};
+  outputs.alignments = {blob("alignment")};
+  outputs.mean_shape = blob("mean");
+  outputs.summary = blob("summary");
+  outputs.variation_shape = blob("variation");
+  outputs.fields = {blob("field")};
+  outputs.base_choice = blob("base");
+  outputs.preview = {blob("preview")};
+  outputs.frame.reference = blob("frame");
+  ImportedPairs& imported = outputs.imported.emplace_back();
+  imported.tiles = {blob("imported tile")};
+  imported.fields = {blob("imported field")};
+  imported.mesh_of = {0, -1};
+  outputs.poses = {blob("pose")};
   ASSERT_THAT(catalog_->FinishJob(job, outputs, meshes), IsOk());
 
   EXPECT_THAT(Blobs(), UnorderedElementsAreArray(expected));

@@ -170,15 +170,17 @@ TEST_P(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
   Job job = catalog_->CreateJob(SomeJob("s"), {SomeMesh("a"), SomeMesh("b")}, "", 1).value();
   Advance(job);
   job.state = JobState::kSucceeded;
-  const JobOutputs outputs = {.tiles = {Sha256::Of("1"), Sha256::Of("2")},
-                              .alignments = {Sha256::Of("3")},
-                              .mean_shape = Sha256::Of("4"),
-                              .summary = Digest(),
-                              .variation_shape = Sha256::Of("7"),
-                              .fields = {Sha256::Of("5")},
-                              .base_choice = Sha256::Of("6"),
-                              .preview = {Sha256::Of("7")},
-                              .poses = {Sha256::Of("8"), Sha256::Of("9")}};
+  JobOutputs outputs;
+  outputs.tiles = {Sha256::Of("1"), Sha256::Of("2")};
+  outputs.alignments = {Sha256::Of("3")};
+  outputs.mean_shape = Sha256::Of("4");
+  outputs.variation_shape = Sha256::Of("7");
+  outputs.fields = {Sha256::Of("5")};
+  outputs.base_choice = Sha256::Of("6");
+  outputs.preview = {Sha256::Of("7")};
+  outputs.frame = {.reference = Sha256::Of("10"), .center = {1, -2, 1.0 / 3}};
+  outputs.imported.push_back({.tiles = {Sha256::Of("11")}, .fields = {}, .mesh_of = {1, -1, 0}});
+  outputs.poses = {Sha256::Of("8"), Sha256::Of("9")};
   std::vector<JobMesh> meshes = catalog_->GetJobMeshes(job.id).value();
   meshes[0].rejection = "line 7: NaN";
   meshes[1].ingested = SomeIngested("b");
@@ -197,6 +199,8 @@ TEST_P(CatalogJobsTest, FinishesAJobWithItsOutputsAndTheFateOfEachMesh) {
   EXPECT_EQ(found.fields, outputs.fields);
   EXPECT_EQ(found.base_choice, outputs.base_choice);
   EXPECT_EQ(found.poses, outputs.poses);
+  EXPECT_EQ(found.frame, outputs.frame);
+  EXPECT_EQ(found.imported, outputs.imported);
   const std::vector<JobMesh> fates = catalog_->GetJobMeshes(job.id).value();
   ASSERT_EQ(fates.size(), 2u);
   EXPECT_EQ(fates[0].rejection, "line 7: NaN");

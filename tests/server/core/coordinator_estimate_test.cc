@@ -207,7 +207,7 @@ INSTANTIATE_TEST_SUITE_P(OfAJob,
                                            Retention::kCompact,
                                            Retention::kSketch,
                                            Retention::kMetrics),
-                         [](const auto& info) { return std::string(RetentionName(info.param)); });
+                         [](const auto& kind) { return std::string(RetentionName(kind.param)); });
 
 TEST_F(EstimateTest, AJobThatDoesNotFitIsRefusedWithTheNumbers) {
   const Estimate vectors = EstimateOf(Spec(Retention::kVectors));

@@ -36,16 +36,16 @@ TEST(ResultsVersion, GrowsWheneverTheBytesOfResultsChange) {
   JobSpec average = testing::QuickSpec(Method::kAverage);
   average.preview = true;
   average.compare.retention = Retention::kVectors;
-  EXPECT_EQ(OutputsOf(average), "?");
+  EXPECT_EQ(OutputsOf(average), "9790ca96e33746d0");
   JobSpec one = testing::QuickSpec(Method::kOne);
   one.compare.retention = Retention::kSketch;
   one.icp.correspondence = Correspondence::kSurface;
   one.compare.correspondence = Correspondence::kSurface;
-  EXPECT_EQ(OutputsOf(one), "?");
+  EXPECT_EQ(OutputsOf(one), "aaeb08a2e9a7963b");
   JobSpec each = testing::QuickSpec(Method::kEach);
   each.compare.retention = Retention::kCompact;
-  EXPECT_EQ(OutputsOf(each), "?");
-  EXPECT_EQ(OutputsOf(FidentisSpec(Method::kAverage)), "?");
+  EXPECT_EQ(OutputsOf(each), "3a3d5a882740e8c5");
+  EXPECT_EQ(OutputsOf(FidentisSpec(Method::kAverage)), "3c112cf13a605ca3");
 }
 
 }  // namespace
