@@ -28,8 +28,11 @@ std::string FormatBytes(int64_t bytes) {
   return fmt::format("{:.1f} {}", value, kUnits[unit]);
 }
 
-/// "0:07" up to an hour, else "12.3 core-hours".
+/// "0.7 s", "4:05", "12.3 core-hours".
 std::string FormatCoreTime(double seconds) {
+  if (seconds < 60) {
+    return fmt::format("{:.1f} s", seconds);
+  }
   return seconds < 3600 ? FormatDuration(seconds)
                         : fmt::format("{:.1f} core-hours", seconds / 3600);
 }

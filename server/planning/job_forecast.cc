@@ -7,10 +7,12 @@ namespace {
 
 // Bytes as the formats of common/jobs and common/store have them; job_forecast_test.cc and
 // tests/e2e hold the sum against what jobs write.
-constexpr double kMeshBytes = 8;             ///< A vertex of a canonical mesh, with its faces.
-constexpr double kMetricsBytes = 56;         ///< A directed pair.
-constexpr double kDisplacementBytes = 24;    ///< A vertex of the reference and a batch.
-constexpr double kVariationBytes = 4;        ///< A vertex of the reference and a mesh.
+constexpr double kMeshBytes = 8;           ///< A vertex of a canonical mesh, with its faces.
+constexpr double kMetricsBytes = 56;       ///< A directed pair.
+constexpr double kShapeBytes = 48;         ///< A vertex of a mean shape: as computed, not rounded.
+constexpr double kSummaryBytes = 56;       ///< A vertex of the reference.
+constexpr double kDisplacementBytes = 24;  ///< A vertex of the reference and a batch.
+constexpr double kVariationBytes = 4;      ///< A vertex of the reference and a mesh.
 constexpr double kCorrespondenceBytes = 12;  ///< The same of a preview.
 constexpr double kPreviewBytes = 8;          ///< An undirected pair.
 constexpr double kAlignmentBytes = 200;      ///< A mesh and a round.
@@ -26,7 +28,9 @@ double OtherBytes(const PlanState& state, double measured_pairs) {
   }
   const int rounds = state.spec.method == Method::kAverage ? state.spec.rounds : 0;
   const auto batches = static_cast<double>(state.batches.size());
-  bytes += rounds * reference * (batches * kDisplacementBytes + kMeshBytes);
+  // Displacement sums of each round and, for the variation, of the last alignment.
+  bytes += (rounds + 1) * reference * (batches * kDisplacementBytes + kShapeBytes);
+  bytes += reference * kSummaryBytes;
   bytes += (rounds + 2) * meshes * kAlignmentBytes;
   if (state.spec.method == Method::kEach) {
     bytes += meshes * meshes * kAlignmentBytes;

@@ -8,7 +8,7 @@ import urllib.request
 
 from cohort_e2e import ProgramTest, cohort
 
-SAMPLE = re.compile(r'^(cohort_[a-z_]+|exposer_[a-z_]+)(\{[^}]*\})? ([0-9.eE+-]+|\+?Inf|NaN)$')
+SAMPLE = re.compile(r'^(cohort_[a-z_]+|exposer_[a-z_]+)(\{[^}]*\})? ([0-9.eE+-]+|\+?Inf|[Nn]a[Nn])$')
 
 
 class Metrics(ProgramTest):

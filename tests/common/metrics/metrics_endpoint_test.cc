@@ -56,7 +56,7 @@ TEST(MetricsEndpoint, ServesThePageAsItIsAtEachRequest) {
   EXPECT_THAT(first, HasSubstr("# HELP cohort_asked_total How often this page was read.\n"
                                "# TYPE cohort_asked_total counter\ncohort_asked_total 1\n"));
   EXPECT_THAT(Fetch((*endpoint)->Address(), "/metrics"), HasSubstr("cohort_asked_total 2\n"));
-  EXPECT_THAT(Fetch((*endpoint)->Address(), "/etc/passwd"), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(Fetch((*endpoint)->Address(), "/etc/passwd"), StartsWith("HTTP/1.0 404"));
 }
 
 TEST(MetricsEndpoint, IsGoneWithItsObject) {

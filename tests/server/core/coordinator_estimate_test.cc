@@ -39,10 +39,7 @@ class EstimateTest : public ::testing::Test {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
     catalog_ = Catalog::Open(folder_ / "catalog.db").value();
-    CoordinatorOptions options;
-    options.build = "1";
-    options.reserve = {.bytes = 0, .share = 0};
-    coordinator_ = Coordinator::Create(options, *catalog_, store_, clock_).value();
+    Restart();
     for (const SetMesh& mesh : testing::PutDemoScans(store_, kPeople, 1, kVertices)) {
       EXPECT_THAT(coordinator_->AddMesh("set", mesh), IsOk());
     }
@@ -51,6 +48,13 @@ class EstimateTest : public ::testing::Test {
     coordinator_.reset();
     catalog_.reset();
     std::filesystem::remove_all(folder_);
+  }
+
+  void Restart() {
+    CoordinatorOptions options;
+    options.build = "1";
+    options.reserve = {.bytes = 0, .share = 0};
+    coordinator_ = Coordinator::Create(options, *catalog_, store_, clock_).value();
   }
 
   static JobSpec Spec(Retention retention = Retention::kSketch) {
@@ -71,11 +75,12 @@ class EstimateTest : public ::testing::Test {
     return coordinator_->Synchronize(report, [] { return false; })->grants;
   }
 
-  /// Does all tasks. @param slowness  what each says it took, as a multiple of its cost.
-  void Work(double slowness) {
+  /// Does all tasks, or so many. @param slowness  what each says it took, as a multiple of its
+  /// cost.
+  void Work(double slowness, int most = 1000) {
     MeshCache cache(store_, 1 << 24);
     TaskRunner runner(store_, cache);
-    while (true) {
+    for (int done = 0; done < most; ++done) {
       const std::vector<GrantedTask> granted = Take(1);
       if (granted.empty()) {
         return;
@@ -148,10 +153,10 @@ TEST_F(EstimateTest, GoesByWhatTasksHaveTakenHere) {
   for (const StageEstimate& stage : mixed.stages) {
     EXPECT_EQ(stage.is_measured, stage.name != "compare") << stage.name;
   }
-  const Job job = coordinator_->CreateJob("set", Spec(Retention::kMetrics), "").value();
-  EXPECT_NEAR(same.CoreSeconds(),
-              3 * (job.progress.cost_total - job.progress.cost_done) + 3 * job.progress.cost_done,
-              0.2 * same.CoreSeconds());
+  Restart();
+  const Estimate assumed = EstimateOf(Spec());
+  EXPECT_EQ(assumed.MeasuredShare(), 0) << "another start may be on another machine";
+  EXPECT_NEAR(same.CoreSeconds(), 3 * assumed.CoreSeconds(), 1e-9);
 }
 
 TEST_F(EstimateTest, DividesTheWorkAmongTheSlotsThatThereAre) {
@@ -182,23 +187,29 @@ TEST_F(EstimateTest, OfASetThatHasGrownCountsWhatTheReferenceJobLacks) {
   const Estimate grown = EstimateOf(spec);
   EXPECT_EQ(grown.meshes, kPeople + 1);
   EXPECT_EQ(grown.pairs, 2 * kPeople);
-  EXPECT_THAT(grown.CoreSeconds(), Lt(EstimateOf(Spec()).CoreSeconds() / 2));
+  EXPECT_THAT(grown.CoreSeconds(), Lt(0.6 * EstimateOf(Spec()).CoreSeconds()));
 }
 
 class BytesTest : public EstimateTest, public ::testing::WithParamInterface<Retention> {};
 
 TEST_P(BytesTest, AreThoseThatTheJobWritesAndRatherMore) {
-  Estimate estimate = EstimateOf(Spec(GetParam()));
-  EXPECT_EQ(estimate.retention, GetParam());
-  const int64_t before = StoredBytes();
+  const Estimate rough = EstimateOf(Spec(GetParam()));
+  const int64_t at_first = StoredBytes();
   ASSERT_THAT(coordinator_->CreateJob("set", Spec(GetParam()), ""), IsOk());
+  Work(1, kPeople);  // The ingest: from here on the meshes are known.
+  const Estimate estimate = EstimateOf(Spec(GetParam()));
+  EXPECT_EQ(estimate.retention, GetParam());
+  const int64_t after_ingest = StoredBytes();
   Work(1);
-  const auto written = static_cast<double>(StoredBytes() - before);
+  const auto written = static_cast<double>(StoredBytes() - after_ingest);
   const auto told = static_cast<double>(estimate.BytesWritten());
   RecordProperty("written", std::to_string(written));
   RecordProperty("told", std::to_string(told));
-  EXPECT_GT(told, 0.9 * written);
-  EXPECT_LT(told, 2 * written);
+  EXPECT_GT(told, 0.97 * written);
+  EXPECT_LT(told, 1.3 * written);
+  const auto all = static_cast<double>(StoredBytes() - at_first);
+  EXPECT_GT(static_cast<double>(rough.BytesWritten()), 0.4 * all) << "by the sizes of files";
+  EXPECT_LT(static_cast<double>(rough.BytesWritten()), 2.5 * all);
 }
 
 INSTANTIATE_TEST_SUITE_P(OfAJob,
@@ -220,7 +231,7 @@ TEST_F(EstimateTest, AJobThatDoesNotFitIsRefusedWithTheNumbers) {
   EXPECT_EQ(ErrorReason(refused), "STORE_TOO_SMALL");
   EXPECT_TRUE(coordinator_->ListJobs(0, "")->items.empty());
   EXPECT_THAT(coordinator_->CreateJob("set", Spec(Retention::kMetrics), ""), IsOk());
-  LeaveFree(vectors.BytesWritten());
+  LeaveFree(vectors.BytesWritten() + 2);  // Sums of rounded numbers.
   EXPECT_THAT(coordinator_->CreateJob("set", Spec(Retention::kVectors), ""), IsOk());
 }
 
