@@ -135,7 +135,11 @@ void WorkerLoop::Start(const GrantedTask& granted) {
 void WorkerLoop::RunSlot(const GrantedTask& granted,
                          const std::stop_token& stop,
                          std::atomic<int64_t>& ticks) {
-  const absl::StatusOr<TaskResult> result = runner_.Run(granted.task, stop, ticks);
+  const absl::StatusOr<TaskResult> result = runner_.Run(granted.task, stop, ticks, [&] {
+    spdlog::debug("event=task_begun worker={} job={} task={} stage=\"{}\" epoch={}",
+                  options_.worker.value, granted.lease.task.job.value, granted.task.number,
+                  granted.task.stage, granted.lease.epoch);
+  });
   Report(granted.lease, result, stop);
   MutexLock lock(mutex_);
   running_.at(granted.lease).finished = true;

@@ -73,9 +73,13 @@ absl::StatusOr<TaskResult> Dispatch(const Task& task, const TaskContext& context
 
 absl::StatusOr<TaskResult> TaskRunner::Run(const Task& task,
                                            std::stop_token stop,
-                                           std::atomic<int64_t>& ticks) {
+                                           std::atomic<int64_t>& ticks,
+                                           const std::function<void()>& on_begin) {
   COHORT_ASSIGN_OR_RETURN(ComputeSlots::Permit permit, slots_.Acquire(stop));
   ticks = 0;
+  if (on_begin) {
+    on_begin();
+  }
   const auto start = std::chrono::steady_clock::now();
   try {
     absl::StatusOr<TaskResult> result = Dispatch(task, {.store = store_,

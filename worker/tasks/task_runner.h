@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <stop_token>
 #include <utility>
 
@@ -33,9 +34,11 @@ class TaskRunner {
     return Run(task, std::move(stop), ticks);
   }
   /// @param ticks  HeldTask::ticks, kept up to date.
+  /// @param on_begin  called when the task has got its slot; null: nothing is.
   [[nodiscard]] absl::StatusOr<TaskResult> Run(const Task& task,
                                                std::stop_token stop,
-                                               std::atomic<int64_t>& ticks);
+                                               std::atomic<int64_t>& ticks,
+                                               const std::function<void()>& on_begin = {});
 
  private:
   BlobStore& store_;
