@@ -317,6 +317,8 @@ class Chaos:
         begun = sum(worker.log.read_text(errors="replace").count("event=task_begun")
                     for worker in self.workers)
         self.tasks, self.redone = tasks, begun - tasks
+        if self.redone < 0:
+            raise Failed(f"{tasks} tasks were done, the workers' logs tell of {begun}")
         if self.redone > self.slots_hit:
             raise Failed(f"{self.redone} tasks were begun again, at most {self.slots_hit} slots "
                          "were hit")
