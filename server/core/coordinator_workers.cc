@@ -453,15 +453,16 @@ absl::Status Coordinator::Tick() {
       }
     }
     const double forget = kListedLeaseTimes * options_.scheduler.lease_seconds;
-    std::erase_if(last_seen_, [&](const auto& seen) {
-      const bool is_gone = SecondsBetween(seen.second, now) > forget;
-      if (is_gone) {
-        spdlog::info("event=worker_gone worker={} silent_seconds={:.0f}", seen.first.value,
-                     SecondsBetween(seen.second, now));
-        workers_.erase(seen.first);
+    for (auto seen = last_seen_.begin(); seen != last_seen_.end();) {
+      if (SecondsBetween(seen->second, now) <= forget) {
+        ++seen;
+        continue;
       }
-      return is_gone;
-    });
+      spdlog::info("event=worker_gone worker={} silent_seconds={:.0f}", seen->first.value,
+                   SecondsBetween(seen->second, now));
+      workers_.erase(seen->first);
+      seen = last_seen_.erase(seen);
+    }
     NoteLost();
     NoteReady(now, 0);
     changes = TakeChanges();

@@ -13,7 +13,7 @@ namespace cohort {
 namespace {
 
 /// Names everything that a small job writes.
-std::string OutputsOf(JobSpec spec) {
+std::string OutputsOf(const JobSpec& spec) {
   MemoryBlobStore store;
   const auto job = testing::RunJob(spec, testing::PutDemoScans(store, 3, 1), store);
   EXPECT_TRUE(job.status.ok()) << job.status;
