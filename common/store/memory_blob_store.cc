@@ -6,26 +6,10 @@
 #include "common/base/error_reason.h"
 #include "common/base/status_macros.h"
 #include "common/store/blob_damage.h"
+#include "common/store/whole_blob_reader.h"
 
 namespace cohort {
 namespace {
-
-class MemoryBlobReader final : public BlobReader {
- public:
-  explicit MemoryBlobReader(std::string bytes) : bytes_(std::move(bytes)) {}
-
-  [[nodiscard]] int64_t SizeBytes() const override { return static_cast<int64_t>(bytes_.size()); }
-
-  [[nodiscard]] absl::StatusOr<std::string> Read(int64_t max_bytes) override {
-    std::string piece = bytes_.substr(position_, static_cast<size_t>(max_bytes));
-    position_ += piece.size();
-    return piece;
-  }
-
- private:
-  std::string bytes_;
-  size_t position_ = 0;
-};
 
 const Clock& MachineClock() {
   static const SystemClock clock;
@@ -115,7 +99,7 @@ absl::StatusOr<std::unique_ptr<BlobReader>> MemoryBlobStore::Open(const Digest& 
     return WithUnreadableBlob(absl::NotFoundError("blob " + digest.Hex() + " is not in the store"),
                               digest);
   }
-  return std::make_unique<MemoryBlobReader>(found->second.bytes);
+  return std::make_unique<WholeBlobReader>(found->second.bytes);
 }
 
 absl::StatusOr<bool> MemoryBlobStore::Contains(const Digest& digest) {

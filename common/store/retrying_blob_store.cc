@@ -7,6 +7,7 @@
 
 #include "common/base/mutex.h"
 #include "common/base/status_macros.h"
+#include "common/store/whole_blob_reader.h"
 
 namespace cohort {
 namespace {
@@ -35,22 +36,6 @@ void Pause(double seconds, const std::stop_token& stop) {
   while (!stop.stop_requested() && stopped.WaitUntil(mutex, deadline)) {
   }
 }
-
-/// A blob that has been read.
-class WholeBlobReader final : public BlobReader {
- public:
-  explicit WholeBlobReader(std::string bytes) : bytes_(std::move(bytes)) {}
-  [[nodiscard]] int64_t SizeBytes() const override { return static_cast<int64_t>(bytes_.size()); }
-  [[nodiscard]] absl::StatusOr<std::string> Read(int64_t max_bytes) override {
-    std::string piece = bytes_.substr(position_, static_cast<size_t>(max_bytes));
-    position_ += piece.size();
-    return piece;
-  }
-
- private:
-  std::string bytes_;
-  size_t position_ = 0;
-};
 
 }  // namespace
 
