@@ -1,6 +1,7 @@
 #include "common/store/memory_blob_store.h"
 
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 #include "common/base/error_reason.h"
@@ -188,7 +189,9 @@ absl::StatusOr<std::unique_ptr<BlobWriter>> MemoryBlobStore::ResumePut(const Dig
 
 absl::Status MemoryBlobStore::SweepIncoming(double /*age_seconds*/) {
   const MutexLock lock(mutex_);
-  std::erase_if(uploads_, [&](const auto& upload) { return !uploading_.contains(upload.first); });
+  for (auto upload = uploads_.begin(); upload != uploads_.end();) {
+    upload = uploading_.contains(upload->first) ? std::next(upload) : uploads_.erase(upload);
+  }
   return absl::OkStatus();
 }
 

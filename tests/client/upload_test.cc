@@ -119,7 +119,7 @@ TEST_F(UploadTest, GoesOnWhereTheNetworkCutItOff) {
   EXPECT_EQ(counts->sent, 1);
   EXPECT_EQ(relay.Cuts(), 3);
   // What was on its way at a cut is sent again, nothing else.
-  EXPECT_LT(relay.Bytes(), 40 * kMegabyte + 3 * 8 * kMegabyte);
+  EXPECT_LT(relay.Bytes(), 40 * kMegabyte + int64_t{3} * 8 * kMegabyte);
   EXPECT_EQ(Committed(file.mesh.raw), -1);
   const auto direct = Connect("s");
   EXPECT_THAT(direct->Blobs().Get(file.mesh.raw), IsOk());
