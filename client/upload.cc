@@ -13,7 +13,7 @@ namespace {
 
 /// Adds a mesh whose bytes the server has; sends them if it has lost them meanwhile.
 absl::Status AddUploaded(Session& session, const std::string& set, const MeshFile& file) {
-  const absl::Status added = session.Persist([&] { return session.AddMesh(set, file.mesh, ""); });
+  absl::Status added = session.Persist([&] { return session.AddMesh(set, file.mesh, ""); });
   if (ErrorReason(added) != "BLOB_MISSING") {
     return added;
   }
