@@ -50,6 +50,18 @@ absl::Status CheckEngine(const JobSpec& spec) {
   return absl::OkStatus();
 }
 
+absl::Status CheckPose(const JobSpec& spec) {
+  if ((spec.pose == PoseMode::kLandmarks) != !spec.landmarks.empty()) {
+    return Refused("landmarks", spec.landmarks.empty() ? "empty" : "a blob",
+                   "a blob with the pose \"landmarks\" and none with another");
+  }
+  if (spec.pose == PoseMode::kLandmarks && spec.method == Method::kNone) {
+    return Refused("pose", "\"landmarks\"",
+                   "another with the method \"none\", which moves no mesh");
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status JobSpec::Validate() const {
@@ -62,14 +74,7 @@ absl::Status JobSpec::Validate() const {
   if (base_rule == BaseRule::kAuto && !base.empty()) {
     return Refused("base", absl::StrCat("\"", base, "\""), "none with the base rule \"auto\"");
   }
-  if ((pose == PoseMode::kLandmarks) != !landmarks.empty()) {
-    return Refused("landmarks", landmarks.empty() ? "empty" : "a blob",
-                   "a blob with the pose \"landmarks\" and none with another");
-  }
-  if (pose == PoseMode::kLandmarks && method == Method::kNone) {
-    return Refused("pose", "\"landmarks\"",
-                   "another with the method \"none\", which moves no mesh");
-  }
+  COHORT_RETURN_IF_ERROR(CheckPose(*this));
   if (!std::isfinite(mean_tolerance) || mean_tolerance < 0) {
     return Refused("mean_tolerance", mean_tolerance, "at least 0");
   }

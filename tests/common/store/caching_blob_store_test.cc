@@ -160,6 +160,7 @@ TEST_F(CachingBlobStoreTest, AFullDiskCostsOnlyTheCache) {
 
 TEST_F(CachingBlobStoreTest, TwoProcessesShareAFolder) {
   std::vector<Digest> blobs;
+  blobs.reserve(60);
   for (int i = 0; i < 60; ++i) {
     blobs.push_back(source_.Put("blob " + std::to_string(i) + std::string(90, ' ')).value());
   }
