@@ -1,6 +1,7 @@
 #include "server/planning/plan_state.h"
 
 #include <algorithm>
+#include <cassert>
 #include <iterator>
 #include <span>
 #include <utility>
@@ -28,7 +29,11 @@ const Batch& BatchOf(std::span<const Batch> kept, std::span<const Batch> open, i
   const Batch* batch = find(kept);
   const bool is_kept =
       batch != nullptr && std::binary_search(batch->meshes.begin(), batch->meshes.end(), mesh);
-  return is_kept ? *batch : *find(open);
+  if (!is_kept) {
+    batch = find(open);
+  }
+  assert(batch != nullptr);  // Every active mesh is in a batch.
+  return *batch;
 }
 
 /// One blob of each batch that holds some of `chosen`, each once, in the order of the meshes.

@@ -77,7 +77,7 @@ class ReferenceJobTest : public ::testing::Test {
   Job Finish(const JobSpec& spec) {
     const Job job = Submit(spec);
     Work();
-    const Job done = *coordinator_->GetJob(job.id);
+    Job done = *coordinator_->GetJob(job.id);
     EXPECT_EQ(done.state, JobState::kSucceeded) << done.error;
     return done;
   }
