@@ -146,30 +146,37 @@ absl::Status Coordinator::LookUp(ActiveJob& active) {
     }
   }
   COHORT_ASSIGN_OR_RETURN(const auto known, FindKnown(active, tasks));
+  const auto attempts_of = [&active](int64_t number) {
+    const auto earlier = active.earlier_attempts.find(number);
+    return earlier == active.earlier_attempts.end() ? TaskAttempts() : earlier->second;
+  };
   std::vector<JobTask> records;
-  for (const int64_t number : numbers) {
-    active.unlooked.Erase(number);
-    TaskAttempts attempts;
-    if (const auto earlier = active.earlier_attempts.extract(number); !earlier.empty()) {
-      attempts = earlier.mapped();
-    }
-    const auto found = known.find(number);
-    if (found == known.end()) {
-      scheduler_.AddTask({.job = active.job.id, .number = number}, attempts);
-      continue;
-    }
-    active.reused += attempts.epoch == 0 ? 1 : 0;
+  records.reserve(known.size());
+  for (const auto& [number, result] : known) {
     TaskRecord record;
     record.number = number;
-    record.epoch = attempts.epoch;
-    record.result = found->second;
+    record.epoch = attempts_of(number).epoch;
+    record.result = result;
     records.push_back({.job = active.job.id, .task = std::move(record)});
+  }
+  if (!records.empty()) {
+    // Before anything is changed here: if the disk is full, they are looked up again.
+    COHORT_RETURN_IF_ERROR(catalog_.SaveTasks(records, {}));
+  }
+  for (const int64_t number : numbers) {
+    const TaskAttempts attempts = attempts_of(number);
+    active.unlooked.Erase(number);
+    active.earlier_attempts.erase(number);
+    if (!known.contains(number)) {
+      scheduler_.AddTask({.job = active.job.id, .number = number}, attempts);
+    } else if (attempts.epoch == 0) {
+      ++active.reused;
+    }
   }
   if (records.empty()) {
     return absl::OkStatus();
   }
   totals_.tasks_reused += std::ssize(records);
-  COHORT_RETURN_IF_ERROR(catalog_.SaveTasks(records, {}));
   for (const JobTask& record : records) {
     const absl::Status verdict = active.plan->TaskFinished(record.task.number, *record.task.result);
     if (!verdict.ok()) {

@@ -226,9 +226,15 @@ int64_t Scheduler::PickTask(const JobId& job, const WorkerId& worker) const {
     return best;
   }
   int best_score = -1;
+  const int64_t stage =
+      TraitsOf({job, best}).stage;  // Stages of one step come one after the other.
   tasks.ready.ForEachOfFirst(kPickWindow, [&](int64_t number) {
+    const TaskTraits traits = TraitsOf({job, number});
+    if (traits.stage != stage) {
+      return;
+    }
     int score = 0;
-    for (const int64_t read : TraitsOf({job, number}).reads) {
+    for (const int64_t read : traits.reads) {
       const bool has =
           read != TaskTraits::kNothing && std::find(memory->second.begin(), memory->second.end(),
                                                     std::pair(job, read)) != memory->second.end();

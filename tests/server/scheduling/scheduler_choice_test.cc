@@ -146,6 +146,18 @@ TEST(SchedulerJobs, ThatArePausedGetNothingButKeepWhatIsOut) {
               ElementsAre(L(kA, 0, 2), L(kA, 1, 1), L(kA, 2, 1)));
 }
 
+TEST(SchedulerLocality, KeepsToTheStageThatComesFirst) {
+  Scheduler scheduler(kOptions);
+  const auto traits_of = [](int64_t number) {
+    return TaskTraits{.stage = number / 3, .reads = {number % 3, TaskTraits::kNothing}};
+  };
+  scheduler.SetJob(kA, {.priority = 0, .is_paused = false, .traits_of = traits_of});
+  scheduler.AddTasks(kA, 0, 6);
+  // Task 3 reads what Anna has read for task 0, but is of the next stage.
+  EXPECT_THAT(scheduler.Grant(kAnna, 4, At(0)),
+              ElementsAre(L(kA, 0, 1), L(kA, 1, 1), L(kA, 2, 1), L(kA, 3, 1)));
+}
+
 TEST(SchedulerLocality, GivesAWorkerWhatReadsTheSameMeshes) {
   Scheduler scheduler(kOptions);
   // A table of 6 x 6 tiles, row by row.
