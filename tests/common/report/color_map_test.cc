@@ -46,6 +46,46 @@ TEST(MapColor, ClampsAndShowsMissingValuesInGrey) {
   EXPECT_EQ(MapColor(kNaN), kNoValueColor);
 }
 
+TEST(MapDivergingColor, AgreesWithThePublishedTable) {
+  // Moreland's CoolWarmFloat33 at 0, 8, 16, 24, 32 of 32.
+  EXPECT_EQ(MapDivergingColor(-1), (Rgb{59, 76, 192}));
+  ExpectNear(MapDivergingColor(-0.5), {141, 176, 254});
+  EXPECT_EQ(MapDivergingColor(0), (Rgb{221, 221, 221}));
+  ExpectNear(MapDivergingColor(0.5), {244, 154, 123});
+  EXPECT_EQ(MapDivergingColor(1), (Rgb{180, 4, 38}));
+}
+
+TEST(MapDivergingColor, BothArmsGetDarkerFromTheMiddle) {
+  for (int i = 1; i <= 16; ++i) {
+    EXPECT_LT(Luma(MapDivergingColor(i / 16.0)), Luma(MapDivergingColor((i - 1) / 16.0)) + 0.5);
+    EXPECT_LT(Luma(MapDivergingColor(-i / 16.0)), Luma(MapDivergingColor((1 - i) / 16.0)) + 0.5);
+  }
+}
+
+TEST(ColorScale, DivergingRunsAsFarOnBothSidesOfZero) {
+  const ColorScale scale{.map = ColorScale::Map::kDiverging, .low = -1, .high = 3};
+  EXPECT_EQ(scale.First(), -3);
+  EXPECT_EQ(scale.Last(), 3);
+  EXPECT_EQ(scale.ColorOf(0), MapDivergingColor(0));
+  EXPECT_EQ(scale.ColorOf(-1.5), MapDivergingColor(-0.5));
+  EXPECT_EQ(scale.ColorOf(7), MapDivergingColor(1));
+}
+
+TEST(ColorScale, OutsideTheThresholdsIsGrey) {
+  const ColorScale scale{.low = 1, .high = 2, .lower_threshold = 1.2, .upper_threshold = 2.5};
+  EXPECT_EQ(scale.ColorOf(1.19), kNoValueColor);
+  EXPECT_EQ(scale.ColorOf(1.2), MapColor(0.2));
+  EXPECT_EQ(scale.ColorOf(2.4), MapColor(1));
+  EXPECT_EQ(scale.ColorOf(2.51), kNoValueColor);
+  EXPECT_EQ(scale.ColorOf(kNaN), kNoValueColor);
+}
+
+TEST(ColorScale, AConstantHasTheMiddleColour) {
+  EXPECT_EQ((ColorScale{.low = 2, .high = 2}).ColorOf(2), MapColor(0.5));
+  EXPECT_EQ((ColorScale{.map = ColorScale::Map::kDiverging, .low = 0, .high = 0}).ColorOf(0),
+            MapDivergingColor(0));
+}
+
 TEST(InkOn, IsWhiteOnDarkAndDarkOnBright) {
   EXPECT_EQ(InkOn(MapColor(0)), kWhite);
   EXPECT_EQ(InkOn(MapColor(1)), kInk);
