@@ -23,6 +23,9 @@ constexpr char kFooter[] =
     "  cohort estimate --set brno-2016 --server coordinator:7450\n"
     "  cohort submit --set brno-2016 --wait --server coordinator:7450\n"
     "  cohort results j-000001 --out results --server coordinator:7450\n"
+    "  cohort remeasure j-000001 --metric p95 --out p95 --server coordinator:7450\n"
+    "  cohort identify j-000001 unknown.ply --server coordinator:7450\n"
+    "  cohort compare before.ply after.ply --out change\n"
     "\n"
     "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 done but meshes were rejected,\n"
     "  4 the job failed, 5 the job was cancelled, 6 server unreachable,\n"
@@ -46,6 +49,10 @@ int Dispatch(int argc, char** argv) {
   AddWatchCommand(app, action);
   AddJobsCommand(app, action);
   AddResultsCommand(app, action);
+  AddRemeasureCommand(app, action);
+  AddPairCommand(app, action);
+  AddCompareCommand(app, action);
+  AddIdentifyCommand(app, action);
   AddManageCommands(app, action);
   AddWorkersCommand(app, action);
   AddTopCommand(app, action);

@@ -157,16 +157,31 @@ void JobFlags::AddAlignmentOptionsTo(CLI::App& command) {
       "curvature:SHARE, curvature:COUNT [none: all]");
 }
 
+void JobFlags::AddDistanceOptionsTo(CLI::App& command) {
+  const std::string group = "Comparison";
+  command
+      .add_option(
+          "--distance", distance,
+          "from each vertex to the nearest vertex or the nearest point of the surface (does "
+          "not depend on how dense the vertices are; needs faces) [vertex]")
+      ->group(group);
+  command
+      .add_option("--boundary", boundary,
+                  "distances to the open boundary of the other mesh: keep or reject [keep]")
+      ->group(group);
+}
+
+void JobFlags::AddPairOptionsTo(CLI::App& command) {
+  AddAlignmentOptionsTo(command);
+  AddDistanceOptionsTo(command);
+}
+
 void JobFlags::AddComparisonOptionsTo(CLI::App& command) {
   const std::string group = "Comparison";
   const auto add = [&](const char* name, auto& target, const char* help) {
     command.add_option(name, target, help)->group(group);
   };
-  add("--distance", distance,
-      "from each vertex to the nearest vertex or the nearest point of the surface (does not depend "
-      "on how dense the vertices are; needs faces) [vertex]");
-  add("--boundary", boundary,
-      "distances to the open boundary of the other mesh: keep or reject [keep]");
+  AddDistanceOptionsTo(command);
   add("--retention", retention,
       "what is kept of the distances: vectors (all), compact (all, to 1 um), sketch (0.5 KB a "
       "pair), metrics, auto (the richest within the budget) [auto]");

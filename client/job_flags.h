@@ -47,6 +47,8 @@ struct JobFlags {
   std::optional<double> size_ratio_limit;
 
   void AddTo(CLI::App& command);
+  /// The options that are about two meshes: how they are aligned, and what a distance is.
+  void AddPairOptionsTo(CLI::App& command);
   /// All but JobSpec::landmarks, which needs the meshes: MakeLandmarkBlob, if UsesLandmarks.
   /// @return kInvalidArgument naming the option and what was expected.
   [[nodiscard]] absl::StatusOr<JobSpec> ToSpec() const;
@@ -55,6 +57,7 @@ struct JobFlags {
  private:
   void AddAlignmentOptionsTo(CLI::App& command);
   void AddComparisonOptionsTo(CLI::App& command);
+  void AddDistanceOptionsTo(CLI::App& command);
   absl::Status SetPose(JobSpec& spec) const;
   absl::Status SetAlignment(JobSpec& spec) const;
   absl::Status SetComparison(JobSpec& spec) const;

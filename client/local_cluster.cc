@@ -44,8 +44,8 @@ absl::StatusOr<std::unique_ptr<LocalCluster>> LocalCluster::Start(
        (cluster->socket_dir_ / "addresses").string(), "--exit-with-parent", parent}));
   COHORT_RETURN_IF_ERROR(cluster->WaitForServer());
   const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  const int threads =
-      options.threads > 0 ? options.threads : std::max(1, processors / options.workers);
+  const int threads = options.threads > 0 ? options.threads
+                                          : std::max(1, processors / std::max(1, options.workers));
   for (int i = 1; i <= options.workers; ++i) {
     COHORT_RETURN_IF_ERROR(cluster->StartMember(
         "worker-" + std::to_string(i), "cohort-worker",

@@ -16,8 +16,8 @@ namespace cohort {
 
 struct LocalClusterOptions {
   std::filesystem::path data_dir;  ///< Catalog, blobs and logs.
-  int workers = 1;
-  int threads = 0;  ///< Of each worker; 0: processors / workers.
+  int workers = 1;                 ///< 0: the server alone, to read what is there.
+  int threads = 0;                 ///< Of each worker; 0: processors / workers.
 };
 
 /// A server and its workers as child processes on a unix socket: what `cohort run` computes with.

@@ -10,6 +10,7 @@
 #include "common/base/status_macros.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/convert.h"
+#include "common/rpc/convert_outputs.h"
 #include "common/rpc/grpc_status.h"
 
 namespace cohort {
@@ -234,29 +235,7 @@ absl::StatusOr<JobOutputs> Session::GetOutputs(const JobId& id) {
   SetDeadline(context, kUnaryDeadlineSeconds);
   COHORT_RETURN_IF_ERROR(
       FromGrpcStatus(results_->GetOutputs(&context, request, &response), address_));
-  JobOutputs outputs;
-  for (const std::string& hex : response.tile_sha256()) {
-    COHORT_ASSIGN_OR_RETURN(Digest digest, Digest::FromHex(hex));
-    outputs.tiles.push_back(std::move(digest));
-  }
-  for (const std::string& hex : response.alignment_sha256()) {
-    COHORT_ASSIGN_OR_RETURN(Digest digest, Digest::FromHex(hex));
-    outputs.alignments.push_back(std::move(digest));
-  }
-  for (const std::string& hex : response.pose_sha256()) {
-    COHORT_ASSIGN_OR_RETURN(Digest digest, Digest::FromHex(hex));
-    outputs.poses.push_back(std::move(digest));
-  }
-  COHORT_ASSIGN_OR_RETURN(outputs.mean_shape, Digest::FromHex(response.mean_shape_sha256()));
-  COHORT_ASSIGN_OR_RETURN(outputs.summary, Digest::FromHex(response.summary_sha256()));
-  if (!response.base_choice_sha256().empty()) {
-    COHORT_ASSIGN_OR_RETURN(outputs.base_choice, Digest::FromHex(response.base_choice_sha256()));
-  }
-  if (!response.variation_shape_sha256().empty()) {
-    COHORT_ASSIGN_OR_RETURN(outputs.variation_shape,
-                            Digest::FromHex(response.variation_shape_sha256()));
-  }
-  return outputs;
+  return FromProto(response);
 }
 
 namespace {

@@ -40,6 +40,10 @@ void AddWorkersCommand(CLI::App& app, Action& action);
 void AddGcCommand(CLI::App& app, Action& action);
 void AddTopCommand(CLI::App& app, Action& action);
 void AddResultsCommand(CLI::App& app, Action& action);
+void AddRemeasureCommand(CLI::App& app, Action& action);
+void AddPairCommand(CLI::App& app, Action& action);
+void AddCompareCommand(CLI::App& app, Action& action);
+void AddIdentifyCommand(CLI::App& app, Action& action);
 void AddGpaCommand(CLI::App& app, Action& action);
 void AddDemoCommand(CLI::App& app, Action& action);
 

@@ -9,13 +9,16 @@
 
 #include "client/commands/command.h"
 #include "client/job_flags.h"
+#include "client/job_source.h"
 #include "client/landmark_files.h"
 #include "client/output/estimate_text.h"
 #include "client/output/exit_codes.h"
 #include "client/output/job_text.h"
 #include "client/preview.h"
 #include "client/results_folder.h"
+#include "client/verify.h"
 #include "common/base/status_macros.h"
+#include "common/base/thread_pool.h"
 
 namespace cohort {
 namespace {
@@ -30,6 +33,8 @@ struct JobCommandFlags {
   JobFlags spec;
   bool wait = false;
   bool preview = false;
+  std::optional<int64_t> verify;
+  uint64_t seed = 1;
   int limit = 20;
 };
 
@@ -129,7 +134,45 @@ absl::StatusOr<int> Preview(const JobCommandFlags& flags) {
   return kExitOk;
 }
 
+/// Measures some pairs once more; an error if a bit differs.
+absl::StatusOr<int> Verify(const JobCommandFlags& flags) {
+  const JobSource source{.server = flags.server, .job = flags.job};
+  COHORT_ASSIGN_OR_RETURN(const OpenedJob opened, source.Open());
+  COHORT_ASSIGN_OR_RETURN(const auto frame,
+                          JobFrame::Open(*opened.session, opened.Blobs(), opened.id));
+  ThreadPool threads(LocalThreads());
+  COHORT_ASSIGN_OR_RETURN(const Verification result,
+                          VerifyPairs(*opened.session, *frame, *flags.verify, flags.seed, threads));
+  if (flags.server.json) {
+    std::cout << nlohmann::json({{"job", opened.id.value},
+                                 {"pairs", result.pairs},
+                                 {"of", result.of},
+                                 {"numbers", result.numbers},
+                                 {"differences", result.differences}})
+                     .dump(2)
+              << "\n";
+  } else {
+    std::cout << "job " << opened.id.value << ": " << result.pairs << " of " << result.of
+              << " directed pairs measured once more, "
+              << (result.differences.empty()
+                      ? "all " + std::to_string(result.numbers) + " numbers the same, bit by bit"
+                      : std::to_string(result.differences.size()) + " of " +
+                            std::to_string(result.numbers) + " numbers DIFFER")
+              << "\n";
+    for (const std::string& line : result.differences) {
+      std::cout << "  " << line << "\n";
+    }
+  }
+  return result.differences.empty() ? kExitOk : kExitFailed;
+}
+
 absl::StatusOr<int> Results(const JobCommandFlags& flags) {
+  if (flags.verify) {
+    return Verify(flags);
+  }
+  if (flags.out.empty()) {
+    return absl::InvalidArgumentError("--out FOLDER is needed: where the results are written");
+  }
   if (flags.preview) {
     return Preview(flags);
   }
@@ -206,12 +249,20 @@ void AddResultsCommand(CLI::App& app, Action& action) {
   const auto [command, flags] =
       AddCommand(app, action, "results", "write the results of a job into a folder", Results);
   AddJobArgument(*command, *flags);
-  command->add_option("--out", flags->out, "folder; made if new")->required();
+  command->add_option("--out", flags->out, "folder; made if new");
   command->add_option("--metric", flags->metric,
                       "another metric than the job's; nothing is computed anew");
   command->add_flag("--preview", flags->preview,
                     "only the preview of a job with --preview, which may still run");
-  command->footer("Example: cohort results j-000001 --out results --metric p75");
+  command
+      ->add_option("--verify", flags->verify,
+                   "write nothing; measure this many random pairs once more on this machine and "
+                   "compare every bit")
+      ->check(CLI::Range(int64_t{1}, int64_t{1'000'000'000}));
+  command->add_option("--seed", flags->seed, "which pairs --verify draws")->capture_default_str();
+  command->footer(
+      "Examples: cohort results j-000001 --out results --metric p75\n"
+      "          cohort results j-000001 --verify 100");
 }
 
 }  // namespace cohort

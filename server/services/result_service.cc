@@ -7,6 +7,7 @@
 
 #include "common/base/status_macros.h"
 #include "common/rpc/convert.h"
+#include "common/rpc/convert_outputs.h"
 #include "common/rpc/grpc_status.h"
 
 namespace cohort {
@@ -98,19 +99,7 @@ grpc::Status ResultServiceSkin::GetOutputs(grpc::ServerContext* /*context*/,
   if (!outputs.ok()) {
     return ToGrpcStatus(outputs.status());
   }
-  for (const Digest& digest : outputs->tiles) {
-    response->add_tile_sha256(digest.Hex());
-  }
-  for (const Digest& digest : outputs->alignments) {
-    response->add_alignment_sha256(digest.Hex());
-  }
-  for (const Digest& digest : outputs->poses) {
-    response->add_pose_sha256(digest.Hex());
-  }
-  response->set_mean_shape_sha256(outputs->mean_shape.Hex());
-  response->set_summary_sha256(outputs->summary.Hex());
-  response->set_variation_shape_sha256(outputs->variation_shape.Hex());
-  response->set_base_choice_sha256(outputs->base_choice.Hex());
+  *response = ToProto(*outputs);
   return grpc::Status::OK;
 }
 

@@ -12,7 +12,7 @@
 #include "common/jobs/placed_blob.h"
 #include "common/jobs/task.h"
 #include "common/store/blob_store.h"
-#include "worker/tasks/pair_meter.h"
+#include "common/pairs/pair_meter.h"
 
 namespace cohort {
 

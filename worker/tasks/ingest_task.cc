@@ -9,35 +9,33 @@
 #include "common/geometry/io/read_mesh.h"
 #include "common/geometry/mesh/bounds.h"
 #include "common/geometry/mesh/mesh_warnings.h"
+#include "common/pairs/canonical_mesh.h"
 #include "common/store/mesh_blob.h"
 
 namespace cohort {
 namespace {
 
-struct CanonicalMesh {
+/// What a file became.
+struct Ingested {
   std::string blob;
   IngestedMesh summary;
 };
 
-/// Bytes of a file in, canonical mesh out; every error is the file's fault.
-absl::StatusOr<CanonicalMesh> MakeCanonical(std::string_view bytes,
-                                            const std::string& name,
-                                            int position_bits) {
-  COHORT_ASSIGN_OR_RETURN(TriangleMesh mesh, ReadMesh(bytes, name));
-  CanonicalMesh canonical;
-  MeshHealth& health = canonical.summary.health;
-  if (const absl::Status checked = CheckAndClean(mesh, health); !checked.ok()) {
-    return absl::Status(checked.code(), name + ": " + std::string(checked.message()));
-  }
-  COHORT_ASSIGN_OR_RETURN(canonical.blob,
-                          EncodeDracoMeshBlob(mesh, {.position_bits = position_bits}));
-  // The decoded mesh is the mesh from now on: Draco rounds coordinates and reorders vertices.
-  COHORT_ASSIGN_OR_RETURN(mesh, DecodeMeshBlob(canonical.blob));
-  canonical.summary.vertices = mesh.VertexCount();
-  canonical.summary.faces = mesh.FaceCount();
+void Describe(const TriangleMesh& mesh, IngestedMesh& summary) {
+  summary.vertices = mesh.VertexCount();
+  summary.faces = mesh.FaceCount();
   const Eigen::Vector3d centroid = CentroidOf(mesh.vertices);
-  canonical.summary.centroid = {centroid.x(), centroid.y(), centroid.z()};
-  return canonical;
+  summary.centroid = {centroid.x(), centroid.y(), centroid.z()};
+}
+
+absl::StatusOr<Ingested> IngestCanonical(std::string_view bytes,
+                                         const std::string& name,
+                                         int position_bits) {
+  COHORT_ASSIGN_OR_RETURN(CanonicalMesh canonical, MakeCanonical(bytes, name, position_bits));
+  Ingested ingested{.blob = std::move(canonical.blob), .summary = {}};
+  ingested.summary.health = std::move(canonical.health);
+  Describe(canonical.mesh, ingested.summary);
+  return ingested;
 }
 
 /// Vertices that get no normal from file or faces.
@@ -49,13 +47,13 @@ int64_t CountWithoutNormal(const FileMesh& file) {
 }
 
 /// Bytes of a file in, the same mesh out, for the predecessor's arithmetic.
-absl::StatusOr<CanonicalMesh> KeepAsInFile(std::string_view bytes, const std::string& name) {
+absl::StatusOr<Ingested> KeepAsInFile(std::string_view bytes, const std::string& name) {
   COHORT_ASSIGN_OR_RETURN(const FileMesh file, ReadFileMesh(bytes, name));
   TriangleMesh checked;
   checked.vertices = file.vertices.cast<double>();
   checked.faces = file.faces;
-  CanonicalMesh canonical;
-  MeshHealth& health = canonical.summary.health;
+  Ingested ingested;
+  MeshHealth& health = ingested.summary.health;
   if (const absl::Status status = CheckAndClean(checked, health); !status.ok()) {
     return absl::Status(status.code(), name + ": " + std::string(status.message()));
   }
@@ -70,12 +68,12 @@ absl::StatusOr<CanonicalMesh> KeepAsInFile(std::string_view bytes, const std::st
                               " vertices without a normal (in no face, or in one without area): "
                               "as in the predecessor, all distances of this mesh are NaN");
   }
-  canonical.blob = EncodeFileMeshBlob(file);
-  canonical.summary.vertices = file.VertexCount();
-  canonical.summary.faces = file.faces.cols();
-  const Eigen::Vector3d centroid = CentroidOf(file.vertices.cast<double>());
-  canonical.summary.centroid = {centroid.x(), centroid.y(), centroid.z()};
-  return canonical;
+  ingested.blob = EncodeFileMeshBlob(file);
+  TriangleMesh as_in_file;
+  as_in_file.vertices = file.vertices.cast<double>();
+  as_in_file.faces = file.faces;
+  Describe(as_in_file, ingested.summary);
+  return ingested;
 }
 
 }  // namespace
@@ -85,19 +83,19 @@ absl::StatusOr<TaskResult> RunIngestTask(const Task& task, const TaskContext& co
   for (const TaskMesh& input : task.meshes) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
     COHORT_ASSIGN_OR_RETURN(const std::string bytes, context.store.Get(input.blob));
-    absl::StatusOr<CanonicalMesh> canonical =
+    absl::StatusOr<Ingested> ingested =
         task.position_bits == 0 ? KeepAsInFile(bytes, input.name)
-                                : MakeCanonical(bytes, input.name, task.position_bits);
-    if (!canonical.ok()) {
+                                : IngestCanonical(bytes, input.name, task.position_bits);
+    if (!ingested.ok()) {
       // The reason may quote the file, and a file may hold anything.
       result.rejections.push_back(
           {.index = input.index,
-           .reason = PrintableUtf8(std::string(canonical.status().message()))});
+           .reason = PrintableUtf8(std::string(ingested.status().message()))});
       continue;
     }
-    COHORT_ASSIGN_OR_RETURN(canonical->summary.blob, context.store.Put(canonical->blob));
-    canonical->summary.index = input.index;
-    result.ingested.push_back(std::move(canonical->summary));
+    COHORT_ASSIGN_OR_RETURN(ingested->summary.blob, context.store.Put(ingested->blob));
+    ingested->summary.index = input.index;
+    result.ingested.push_back(std::move(ingested->summary));
   }
   return result;
 }

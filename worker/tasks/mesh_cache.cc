@@ -8,6 +8,7 @@
 
 #include "common/base/status_macros.h"
 #include "common/geometry/mesh/boundary.h"
+#include "common/pairs/pair_mesh.h"
 #include "common/store/mesh_blob.h"
 
 namespace cohort {
@@ -118,7 +119,7 @@ absl::StatusOr<std::shared_ptr<const PackedMesh>> MeshCache::GetPlaced(
   return GetOrMake<PackedMesh>(key, [&]() -> absl::StatusOr<Made<PackedMesh>> {
     COHORT_ASSIGN_OR_RETURN(const auto mesh, Get(blob));
     auto packed = std::make_shared<const PackedMesh>(
-        (T_frame_mesh.Apply(mesh->vertices).colwise() - frame_center).cast<float>());
+        PlaceVertices(*mesh, T_frame_mesh, frame_center));
     return Made<PackedMesh>{.value = packed, .bytes = packed->ByteCount()};
   });
 }
@@ -130,7 +131,7 @@ absl::StatusOr<std::shared_ptr<const PackedSurface>> MeshCache::GetPlacedSurface
     COHORT_ASSIGN_OR_RETURN(const auto mesh, Get(blob));
     COHORT_RETURN_IF_ERROR(CheckHasFaces(*mesh, blob));
     auto packed = std::make_shared<const PackedSurface>(
-        (T_frame_mesh.Apply(mesh->vertices).colwise() - frame_center).cast<float>(), mesh->faces);
+        PlaceVertices(*mesh, T_frame_mesh, frame_center), mesh->faces);
     return Made<PackedSurface>{.value = packed, .bytes = packed->ByteCount()};
   });
 }

@@ -9,7 +9,7 @@
 #include "common/jobs/blobs.h"
 #include "common/jobs/field_blob.h"
 #include "common/jobs/task.h"
-#include "worker/tasks/pair_meter.h"
+#include "common/pairs/pair_meter.h"
 #include "worker/tasks/task_context.h"
 
 namespace cohort {

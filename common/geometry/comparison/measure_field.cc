@@ -1,7 +1,9 @@
 #include "common/geometry/comparison/measure_field.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string_view>
 #include <vector>
@@ -35,13 +37,21 @@ absl::Status CheckValues(std::span<const float> distances) {
   if (distances.empty()) {
     return absl::InvalidArgumentError("the distance field has no value");
   }
-  for (size_t i = 0; i < distances.size(); ++i) {
-    if (!std::isfinite(distances[i])) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("value ", i, " of the distance field is not finite"));
-    }
+  // Counted without a branch, which compilers turn into vectors.
+  constexpr uint32_t kExponent = 0x7F800000;
+  const auto is_finite = [](float value) {
+    return (std::bit_cast<uint32_t>(value) & kExponent) != kExponent;
+  };
+  size_t finite = 0;
+  for (const float distance : distances) {
+    finite += is_finite(distance) ? 1 : 0;
   }
-  return absl::OkStatus();
+  if (finite == distances.size()) {
+    return absl::OkStatus();
+  }
+  const auto bad = std::find_if_not(distances.begin(), distances.end(), is_finite);
+  return absl::InvalidArgumentError(
+      absl::StrCat("value ", bad - distances.begin(), " of the distance field is not finite"));
 }
 
 absl::Status NothingLeft(const FieldOptions& options, size_t count) {

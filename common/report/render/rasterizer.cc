@@ -17,10 +17,17 @@ namespace {
 
 // Directions in the camera's frame (x right, y up, z towards the viewer); unit vectors.
 const Eigen::Vector3d kLamp = Eigen::Vector3d(-2, 3, 6) / 7;  // Exactly of length 7.
-constexpr double kAmbient = 0.24;
-constexpr double kLampShare = 0.52;
-constexpr double kFrontShare = 0.26;
-constexpr double kShine = 0.10;      // Of white, added.
+// How much of its colour a surface gives back, wherever it looks, to the lamp and to the front;
+// and what of white is added.
+struct Lighting {
+  double ambient;
+  double lamp;
+  double front;
+  double shine;
+};
+constexpr Lighting kPlaster = {0.24, 0.52, 0.26, 0.10};
+constexpr Lighting kColored = {0.50, 0.32, 0.18, 0.04};  // Flatter: colours are to be read.
+constexpr double kCloudLight = 0.8;                      // Points have no normals.
 constexpr double kBackShare = 0.55;  // Of the light that a back side gives back.
 constexpr double kPointSide = 1.6;   // Of a point's square, in mean distances between points.
 
@@ -141,7 +148,9 @@ double Sixteenth(double x) {
 }
 
 // Red, green and blue, 0..255, not rounded.
-Eigen::Vector3d Shade(const Eigen::Vector3d& color, Eigen::Vector3d normal) {
+Eigen::Vector3d Shade(const Eigen::Vector3d& color,
+                      Eigen::Vector3d normal,
+                      const Lighting& lighting) {
   const double length = normal.norm();
   if (length <= 0) return color;
   normal /= length;
@@ -149,8 +158,8 @@ Eigen::Vector3d Shade(const Eigen::Vector3d& color, Eigen::Vector3d normal) {
   if (is_back) normal = -normal;
   const Eigen::Vector3d half = (kLamp + Eigen::Vector3d::UnitZ()).normalized();
   const double lamp = std::max(0.0, normal.dot(kLamp));
-  const double light = kAmbient + kLampShare * lamp + kFrontShare * normal.z();
-  const double shine = kShine * 255 * Sixteenth(std::max(0.0, normal.dot(half)));
+  const double light = lighting.ambient + lighting.lamp * lamp + lighting.front * normal.z();
+  const double shine = lighting.shine * 255 * Sixteenth(std::max(0.0, normal.dot(half)));
   const Eigen::Vector3d front = color * light + Eigen::Vector3d::Constant(shine);
   return is_back ? Eigen::Vector3d(front * kBackShare) : front;
 }
@@ -166,7 +175,7 @@ class Shader {
                      : Eigen::Matrix3Xd(camera.R_camera_mesh * VertexNormals(mesh))) {}
 
   [[nodiscard]] Eigen::Vector3d ColorOf(const Sample& sample) const {
-    if (mesh_.IsPointCloud()) return VertexColor(sample.face) * (kAmbient + kLampShare);
+    if (mesh_.IsPointCloud()) return VertexColor(sample.face) * kCloudLight;
     const double b = sample.b;
     const double c = sample.c;
     const double a = 1 - b - c;
@@ -175,7 +184,7 @@ class Shader {
         a * normals_.col(corners(0)) + b * normals_.col(corners(1)) + c * normals_.col(corners(2));
     const Eigen::Vector3d color =
         a * VertexColor(corners(0)) + b * VertexColor(corners(1)) + c * VertexColor(corners(2));
-    return Shade(color, normal);
+    return Shade(color, normal, colors_.empty() ? kPlaster : kColored);
   }
 
  private:

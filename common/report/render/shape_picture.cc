@@ -83,6 +83,13 @@ absl::StatusOr<Canvas> DrawViews(const TriangleMesh& mesh,
   return canvas;
 }
 
+bool HasGrey(const ShapeValues& values) {
+  const ColorScale& scale = values.scale;
+  return std::any_of(values.values.begin(), values.values.end(), [&](double value) {
+    return !(value >= scale.lower_threshold && value <= scale.upper_threshold);
+  });
+}
+
 void DrawLegend(const ShapeValues& values, const Page& page, Canvas& canvas) {
   const ColorScale& scale = values.scale;
   const double first = scale.First();
@@ -109,9 +116,10 @@ void DrawLegend(const ShapeValues& values, const Page& page, Canvas& canvas) {
     canvas.Text({bar.x + bar.width + kTickLength + 4, bar.y + bar.height / 2},
                 ReadableDecimal(first, 3), kTickStyle, Anchor::kStart);
   }
+  if (!HasGrey(values)) return;
   const double y = bar.y + bar.height + 16;
   canvas.Fill({bar.x, y - 6, kBarWidth, 12}, kNoValueColor);
-  canvas.Text({bar.x + kBarWidth + kTickLength + 4, y}, "none", kTickStyle, Anchor::kStart);
+  canvas.Text({bar.x + kBarWidth + kTickLength + 4, y}, values.grey, kTickStyle, Anchor::kStart);
 }
 
 Page LayOut(const TriangleMesh& mesh, const ShapePictureOptions& options) {

@@ -14,8 +14,9 @@ namespace cohort {
 struct ShapeValues {
   std::span<const double> values;  ///< n; NaN: none.
   ColorScale scale = {};
-  std::string title = {};  ///< Of the legend, e.g. "RMS distance".
-  std::string unit = {};   ///< "mm"; empty: none.
+  std::string title = {};     ///< Of the legend, e.g. "RMS distance".
+  std::string unit = {};      ///< "mm"; empty: none.
+  std::string grey = "none";  ///< In the legend, what grey is, if some vertex is.
 };
 
 struct ShapePictureOptions {

@@ -49,7 +49,7 @@ TEST(ShapeViewsPng, TheLegendShowsTheColoursOfTheScale) {
                           .scale = {.map = ColorScale::Map::kDiverging, .low = -1, .high = 2},
                           .title = "signed",
                           .unit = "mm"};
-  const auto png = ShapeViewsPng(sheet, shown, {.view_width = 100});
+  const auto png = ShapeViewsPng(sheet, shown, {.view_width = 300});
   ASSERT_THAT(png, IsOk());
   const Pixels pixels = DecodePng(*png);
   EXPECT_GT(pixels.Count(MapDivergingColor(1)), 10);

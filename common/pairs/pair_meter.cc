@@ -1,4 +1,4 @@
-#include "worker/tasks/pair_meter.h"
+#include "common/pairs/pair_meter.h"
 
 #include <limits>
 #include <utility>
