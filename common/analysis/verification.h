@@ -42,12 +42,13 @@ struct ErrorRates {
                                              double false_accept_rate);
 
 struct Verification {
-  /// One point per distinct value, ascending, after one at -infinity (FAR 0, FRR 1); the last one
-  /// has FAR 1, FRR 0. Threshold, FAR and FRR are those of RatesAt.
+  /// The corners of the staircase of RatesAt over all values, ascending: first a threshold of
+  /// -infinity (FAR 0, FRR 1), last one with FAR 1, FRR 0. Runs in which only one of the rates
+  /// changes have their last point, so that there are at most 2 genuine pairs + 2.
   std::vector<ErrorRates> roc;
   /// Where FAR equals FRR on the polyline of `roc`.
   double equal_error_rate = 0;
-  /// The point of `roc` where FAR and FRR differ least (of several, the first).
+  /// The value at which FAR and FRR differ least (of several, the lowest).
   ErrorRates nearest_equal;
   /// |mean genuine - mean impostor| / sqrt((variance genuine + variance impostor) / 2), variances
   /// divided by n; infinite if both are zero and the means differ, NaN if they do not.
