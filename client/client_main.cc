@@ -26,6 +26,7 @@ constexpr char kFooter[] =
     "  cohort remeasure j-000001 --metric p95 --out p95 --server coordinator:7450\n"
     "  cohort identify j-000001 unknown.ply --server coordinator:7450\n"
     "  cohort compare before.ply after.ply --out change\n"
+    "  cohort evaluate faces/ --labels people.csv --out evaluation\n"
     "\n"
     "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 done but meshes were rejected,\n"
     "  4 the job failed, 5 the job was cancelled, 6 server unreachable,\n"
@@ -53,6 +54,7 @@ int Dispatch(int argc, char** argv) {
   AddPairCommand(app, action);
   AddCompareCommand(app, action);
   AddIdentifyCommand(app, action);
+  AddEvaluateCommand(app, action);
   AddManageCommands(app, action);
   AddWorkersCommand(app, action);
   AddTopCommand(app, action);

@@ -15,8 +15,8 @@
 #include "client/output/exit_codes.h"
 #include "client/output/job_text.h"
 #include "client/preview.h"
+#include "client/proof.h"
 #include "client/results_folder.h"
-#include "client/verify.h"
 #include "common/base/status_macros.h"
 #include "common/base/thread_pool.h"
 
@@ -141,8 +141,8 @@ absl::StatusOr<int> Verify(const JobCommandFlags& flags) {
   COHORT_ASSIGN_OR_RETURN(const auto frame,
                           JobFrame::Open(*opened.session, opened.Blobs(), opened.id));
   ThreadPool threads(LocalThreads());
-  COHORT_ASSIGN_OR_RETURN(const Verification result,
-                          VerifyPairs(*opened.session, *frame, *flags.verify, flags.seed, threads));
+  COHORT_ASSIGN_OR_RETURN(const PairProof result,
+                          ProvePairs(*opened.session, *frame, *flags.verify, flags.seed, threads));
   if (flags.server.json) {
     std::cout << nlohmann::json({{"job", opened.id.value},
                                  {"pairs", result.pairs},

@@ -12,7 +12,7 @@
 namespace cohort {
 
 /// What measuring some pairs of a job once more has shown.
-struct Verification {
+struct PairProof {
   int64_t pairs = 0;                     ///< Directed pairs that were measured again.
   int64_t of = 0;                        ///< Directed pairs of the job.
   int64_t numbers = 0;                   ///< Values compared, bit by bit: all metrics of each pair.
@@ -22,7 +22,7 @@ struct Verification {
 /// Draws `count` directed pairs of a job (all, if it has no more) and measures them once more from
 /// its meshes and alignments.
 /// @return kFailedPrecondition as JobFrame::CheckHasFrame.
-[[nodiscard]] absl::StatusOr<Verification> VerifyPairs(
+[[nodiscard]] absl::StatusOr<PairProof> ProvePairs(
     Session& session, const JobFrame& frame, int64_t count, uint64_t seed, Executor& executor);
 
 }  // namespace cohort

@@ -1,4 +1,4 @@
-#include "client/verify.h"
+#include "client/proof.h"
 
 #include <algorithm>
 #include <array>
@@ -67,7 +67,7 @@ absl::StatusOr<MetricValues> MeasureAgain(const JobFrame& frame,
 
 }  // namespace
 
-absl::StatusOr<Verification> VerifyPairs(
+absl::StatusOr<PairProof> ProvePairs(
     Session& session, const JobFrame& frame, int64_t count, uint64_t seed, Executor& executor) {
   COHORT_RETURN_IF_ERROR(frame.CheckHasFrame());
   CompareOptions compare = frame.GetJob().spec.compare;
@@ -84,7 +84,7 @@ absl::StatusOr<Verification> VerifyPairs(
     }
   });
   COHORT_RETURN_IF_ERROR(FirstError(statuses));
-  Verification result;
+  PairProof result;
   result.pairs = std::ssize(pairs);
   result.of = std::ssize(frame.Active()) * std::ssize(frame.Active());
   const auto name = [&](size_t place) -> const std::string& {
