@@ -54,6 +54,7 @@ int Dispatch(int argc, char** argv) {
   AddPairCommand(app, action);
   AddCompareCommand(app, action);
   AddIdentifyCommand(app, action);
+  AddShapeCommand(app, action);
   AddEvaluateCommand(app, action);
   AddManageCommands(app, action);
   AddWorkersCommand(app, action);

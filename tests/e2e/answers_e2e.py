@@ -158,6 +158,26 @@ class Answers(ProgramTest):
         self.call("results", self.dir / "out", "--verify", 20)
         self.assertEqual((self.dir / "out" / "matrix.csv").read_bytes(), before)
 
+    def test_shapes_vary_by_modes_and_by_groups(self):
+        out = self.dir / "shape"
+        answer = json.loads(self.call("shape", self.jobs["vectors"], "--modes", 3, "--by", "capture",
+                                      "--out", out, "--json").stdout)
+        self.assertEqual(len(answer["explained"]), 3)
+        self.assertEqual(answer["explained"], sorted(answer["explained"], reverse=True))
+        self.assertLessEqual(sum(answer["explained"]), 1)
+        self.assertEqual([g["meshes"] for g in answer["groups"]], [4, 4])
+        with open(out / "scores.csv", newline="") as file:
+            scores = [[float(row[f"mode_{k}"]) for k in (1, 2, 3)] for row in csv.DictReader(file)]
+        for k, deviation in enumerate(answer["deviations"]):
+            column = [row[k] for row in scores]
+            self.assertAlmostEqual(sum(column), 0, places=4)
+            self.assertAlmostEqual(sum(v * v for v in column) / 7, deviation ** 2, places=6)
+        for name in ("mode_1_plus.ply", "mode_3_minus.ply", "variation_a.ply", "variation_b.ply",
+                     "difference_b_minus_a.ply", "difference_b_minus_a.png", "modes.csv"):
+            self.assertGreater((out / name).stat().st_size, 50, name)
+        refused = self.call("shape", self.jobs["vectors"], "--by", "sex", "--out", out, code=2)
+        self.assertIn("--by sex", refused.stderr)
+
     def test_results_prove_themselves(self):
         for job in self.jobs.values():
             proof = json.loads(self.call("results", job, "--verify", 1000, "--json").stdout)
