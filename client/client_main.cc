@@ -16,6 +16,7 @@ constexpr char kFooter[] =
     "Examples:\n"
     "  cohort demo --out demo                           make a synthetic cohort\n"
     "  cohort run demo --out results --labels demo/labels.csv\n"
+    "  cohort analyze results --by sex --out statistics clusters, groups, identification\n"
     "  cohort gpa landmarks.csv --out gpa               compare landmarks alone\n"
     "  cohort serve --data /var/lib/cohort --listen 0.0.0.0:7450\n"
     "  cohort work --server coordinator:7450\n"
@@ -56,6 +57,8 @@ int Dispatch(int argc, char** argv) {
   AddIdentifyCommand(app, action);
   AddShapeCommand(app, action);
   AddEvaluateCommand(app, action);
+  AddAnalyzeCommand(app, action);
+  AddMantelCommand(app, action);
   AddManageCommands(app, action);
   AddWorkersCommand(app, action);
   AddTopCommand(app, action);

@@ -48,6 +48,8 @@ void AddEvaluateCommand(CLI::App& app, Action& action);
 void AddShapeCommand(CLI::App& app, Action& action);
 void AddGpaCommand(CLI::App& app, Action& action);
 void AddDemoCommand(CLI::App& app, Action& action);
+void AddAnalyzeCommand(CLI::App& app, Action& action);
+void AddMantelCommand(CLI::App& app, Action& action);
 
 /// Follows a job until it has ended, showing its progress on stderr.
 /// @param remark  asked at every change for a line to be shown besides; empty: none.

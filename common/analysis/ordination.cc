@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
 #include <absl/strings/str_cat.h>
 
 #include "common/analysis/distances.h"
+#include "common/analysis/leading_eigenpairs.h"
 #include "common/base/status_macros.h"
 
 namespace cohort {
@@ -49,29 +48,25 @@ absl::StatusOr<Ordination> OrdinateMeshes(const MetricMatrix& distances, int axe
   }
   COHORT_RETURN_IF_ERROR(RequireDissimilarities(distances, 3));
   COHORT_RETURN_IF_ERROR(RequireComplete(distances));
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(DoublyCentred(distances.values));
-  if (solver.info() != Eigen::Success) {
-    return absl::InternalError("ordination: the eigenvalues were not found");
-  }
-  const Eigen::VectorXd& ascending = solver.eigenvalues();
-  const Eigen::Index count = ascending.size();
+  const Eigen::MatrixXd B = DoublyCentred(distances.values);
+  COHORT_ASSIGN_OR_RETURN(const LeadingEigenpairs pairs,
+                          FindLeadingEigenpairs(B, std::min(Eigen::Index{axes}, B.rows())));
+  const Eigen::VectorXd& values = pairs.values;
+  const double zero = kZeroShare * values.cwiseAbs().maxCoeff();
+  const double positive_sum = (values.array() > zero).select(values, 0).sum();
+  const double negative_sum = (values.array() < -zero).select(values, 0).sum();
   Ordination ordination;
-  ordination.eigenvalues.assign(ascending.data(), ascending.data() + count);
-  std::reverse(ordination.eigenvalues.begin(), ordination.eigenvalues.end());
-  const double zero = kZeroShare * ascending.cwiseAbs().maxCoeff();
-  ordination.negative = (ascending.array() < -zero).count();
-  const double positive_sum = (ascending.array() > zero).select(ascending, 0).sum();
-  const double negative_sum = (ascending.array() < -zero).select(ascending, 0).sum();
-  ordination.negative_share = zero > 0 ? -negative_sum / (positive_sum - negative_sum) : 0;
-  const Eigen::Index kept =
-      std::min(Eigen::Index{axes}, Eigen::Index{(ascending.array() > zero).count()});
-  ordination.coordinates.resize(count, kept);
+  ordination.eigenvalues.assign(values.data(), values.data() + values.size());
+  ordination.negative = (values.array() < -zero).count();
+  ordination.negative_share =
+      ordination.negative > 0 ? -negative_sum / (positive_sum - negative_sum) : 0;
+  const Eigen::Index positive = (values.array() > zero).count();
+  const Eigen::Index kept = std::min(Eigen::Index{axes}, positive);
+  ordination.coordinates.resize(B.rows(), kept);
   for (Eigen::Index axis = 0; axis < kept; ++axis) {
-    const Eigen::Index from_end = count - 1 - axis;
-    ordination.coordinates.col(axis) =
-        solver.eigenvectors().col(from_end) * std::sqrt(ascending(from_end));
+    ordination.coordinates.col(axis) = pairs.vectors.col(axis) * std::sqrt(values(axis));
     FixSign(ordination.coordinates.col(axis));
-    ordination.explained.push_back(ascending(from_end) / positive_sum);
+    ordination.explained.push_back(values(axis) / positive_sum);
   }
   return ordination;
 }
