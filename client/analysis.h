@@ -22,12 +22,12 @@ namespace cohort {
 struct AnalysisOptions {
   int neighbours = 3;  ///< Of each mesh, 1 or more; cut at N - 1.
   Linkage linkage = Linkage::kAverage;
-  int clusters = 0;                 ///< To cut the tree into; 0: do not.
-  int axes = 10;                    ///< Of the ordination.
-  std::string by;                   ///< Label column of the groups; empty: no groups.
-  std::string person = "person";    ///< Label column; if no mesh has it, nobody is identified.
-  std::string session = "session";  ///< The same, for leave-one-session-out.
-  std::optional<double> threshold;  ///< To tell the error rates of.
+  int clusters = 0;                      ///< To cut the tree into; 0: do not.
+  int axes = 10;                         ///< Of the ordination.
+  std::string by = {};                   ///< Label column of the groups; empty: no groups.
+  std::string person = "person";         ///< Label column; if no mesh has it, nobody is identified.
+  std::string session = "session";       ///< The same, for leave-one-session-out.
+  std::optional<double> threshold = {};  ///< To tell the error rates of.
   int64_t permutations = 9999;
   uint64_t seed = 1;
 

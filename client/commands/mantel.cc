@@ -51,6 +51,7 @@ struct Matched {
 
 struct Answer {
   MantelResult mantel;
+  int neighbours = 0;
   NeighbourAgreement agreement;
   std::optional<Closeness> closeness;
 };
@@ -116,15 +117,19 @@ absl::StatusOr<Answer> Test(const MantelFlags& flags, const Matched& matched) {
   if (!mantel.ok()) {
     return NamedConstant(matched.inputs, mantel.status());
   }
-  Answer answer{.mantel = *mantel, .agreement = {}, .closeness = {}};
-  COHORT_ASSIGN_OR_RETURN(answer.agreement, CompareNeighbours(a, b, flags.neighbours));
+  Answer answer;
+  answer.mantel = *mantel;
+  // Three meshes have two neighbours each, whatever was asked for.
+  answer.neighbours = std::min(flags.neighbours, static_cast<int>(a.labels.size()) - 1);
+  COHORT_ASSIGN_OR_RETURN(answer.agreement, CompareNeighbours(a, b, answer.neighbours));
   if (!flags.closer_to.empty()) {
     COHORT_ASSIGN_OR_RETURN(answer.closeness, CompareCloseness(a, b, matched.inputs.back().matrix));
   }
   return answer;
 }
 
-std::string AgreementText(const MantelFlags& flags, const NeighbourAgreement& agreement) {
+std::string AgreementText(const Answer& answer) {
+  const NeighbourAgreement& agreement = answer.agreement;
   std::string missed;
   for (size_t m = 0; m < agreement.missed.size(); ++m) {
     missed += fmt::format("{} {}: {}", m == 0 ? ", missed" : ",", m + 1, agreement.missed[m]);
@@ -132,7 +137,7 @@ std::string AgreementText(const MantelFlags& flags, const NeighbourAgreement& ag
   return fmt::format(
       "{} nearest of each in both: {} of {}; same order: {}, other order: {}{}\n"
       "nearest mesh is the same: {} of {}\n",
-      flags.neighbours, agreement.kept, agreement.wanted, agreement.correct, agreement.wrong_order,
+      answer.neighbours, agreement.kept, agreement.wanted, agreement.correct, agreement.wrong_order,
       missed, agreement.same_nearest, agreement.rows.size());
 }
 
@@ -146,7 +151,7 @@ std::string Text(const MantelFlags& flags, const Matched& matched, const Answer&
   if (!flags.partial.empty()) {
     text = "partial " + text + "  given " + flags.partial + "\n";
   }
-  text += AgreementText(flags, answer.agreement);
+  text += AgreementText(answer);
   if (answer.closeness) {
     const Closeness& cells = *answer.closeness;
     text += fmt::format("closer to {}: {} cells of {}, {} of {}, {} equal (with the diagonal)\n",
@@ -177,7 +182,7 @@ Json AsJson(const MantelFlags& flags, const Matched& matched, const Answer& answ
                {"as_extreme", answer.mantel.as_extreme},
                {"permutations", answer.mantel.permutations},
                {"seed", flags.options.seed}};
-  json["neighbours"] = {{"k", flags.neighbours},
+  json["neighbours"] = {{"k", answer.neighbours},
                         {"same_order", agreement.correct},
                         {"other_order", agreement.wrong_order},
                         {"missed", agreement.missed},

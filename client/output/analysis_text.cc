@@ -19,6 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr size_t kShownAxes = 3;
 constexpr int kDigits = 3;
+constexpr int kBins = 40;
 
 std::string Percent(double share) {
   return FixedDecimal(100 * share, 1) + " %";
@@ -150,6 +151,11 @@ Json PersonJson(const AnalysisOptions& options, const PersonAnalysis& persons) {
       json["at_false_accept_rate"].push_back(RatesJson(RatesAtFalseAccepts(persons.scores, far)));
     }
   }
+  const ScoreHistogram histogram = HistogramOf(persons.scores, kBins);
+  json["histogram"] = {{"first", histogram.first},
+                       {"width", histogram.width},
+                       {"genuine", histogram.genuine},
+                       {"impostor", histogram.impostor}};
   if (options.threshold) {
     json["at_threshold"] = RatesJson(RatesAt(persons.scores, *options.threshold));
   }
