@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include <absl/strings/str_cat.h>
 
@@ -62,6 +63,37 @@ struct Collected {
   }
 };
 
+/// Values by pair of groups; both orders of a pair are the same.
+struct CollectedGroups {
+  std::map<std::pair<std::string, std::string>, Collected> pairs;
+  Collected within;
+  Collected between;
+};
+
+/// @param sizes  the groups.
+CollectedGroups CollectGroups(const MetricMatrix& matrix,
+                              std::span<const std::string> groups,
+                              const std::map<std::string, int64_t>& sizes) {
+  CollectedGroups collected;
+  for (auto first = sizes.begin(); first != sizes.end(); ++first) {
+    for (auto second = first; second != sizes.end(); ++second) {
+      collected.pairs[{first->first, second->first}];
+    }
+  }
+  for (Eigen::Index row = 0; row < matrix.values.rows(); ++row) {
+    for (Eigen::Index column = 0; column < row; ++column) {
+      const std::string& a = groups[static_cast<size_t>(row)];
+      const std::string& b = groups[static_cast<size_t>(column)];
+      if (!a.empty() && !b.empty()) {
+        const double value = matrix.values(row, column);
+        collected.pairs.find(std::minmax(a, b))->second.Add(value);
+        (a == b ? collected.within : collected.between).Add(value);
+      }
+    }
+  }
+  return collected;
+}
+
 }  // namespace
 
 absl::StatusOr<GroupDistances> SummarizeGroups(const MetricMatrix& matrix,
@@ -82,36 +114,18 @@ absl::StatusOr<GroupDistances> SummarizeGroups(const MetricMatrix& matrix,
         sizes.empty() ? "no mesh has a group"
                       : absl::StrCat("all meshes are of one group, ", sizes.begin()->first));
   }
-  std::map<std::pair<std::string, std::string>, Collected> collected;
-  for (auto first = sizes.begin(); first != sizes.end(); ++first) {
-    for (auto second = first; second != sizes.end(); ++second) {
-      collected[{first->first, second->first}];
-    }
-  }
-  Collected within;
-  Collected between;
-  for (Eigen::Index row = 0; row < matrix.values.rows(); ++row) {
-    for (Eigen::Index column = 0; column < row; ++column) {
-      const std::string& a = groups[static_cast<size_t>(row)];
-      const std::string& b = groups[static_cast<size_t>(column)];
-      if (!a.empty() && !b.empty()) {
-        const double value = matrix.values(row, column);
-        collected.find(std::minmax(a, b))->second.Add(value);
-        (a == b ? within : between).Add(value);
-      }
-    }
-  }
+  CollectedGroups collected = CollectGroups(matrix, groups, sizes);
   GroupDistances table;
   for (const auto& [group, size] : sizes) {
     table.groups.push_back(group);
     table.sizes.push_back(size);
   }
-  for (auto& [names, pairs] : collected) {
+  for (auto& [names, pairs] : collected.pairs) {
     table.pairs.push_back(
         {names.first, names.second, Summarize(std::move(pairs.values), pairs.missing)});
   }
-  table.within = Summarize(std::move(within.values), within.missing);
-  table.between = Summarize(std::move(between.values), between.missing);
+  table.within = Summarize(std::move(collected.within.values), collected.within.missing);
+  table.between = Summarize(std::move(collected.between.values), collected.between.missing);
   return table;
 }
 

@@ -206,9 +206,9 @@ TEST(NewickText, HalvesTheHeightsAndQuotesWhatNeedsIt) {
 }
 
 TEST(NewickText, WritesADeepTree) {
-  std::vector<double> places;
-  for (int i = 0; i < 4000; ++i) {
-    places.push_back(i * (1 + 1e-4 * i));
+  std::vector<double> places(4000);
+  for (size_t i = 0; i < places.size(); ++i) {
+    places[i] = static_cast<double>(i) * (1 + 1e-4 * static_cast<double>(i));
   }
   const MetricMatrix matrix = Line(places);
   const Dendrogram ours = Clustered(matrix, Linkage::kSingle);
