@@ -39,7 +39,8 @@ absl::Status RequireUnsigned(DistanceSign sign) {
 
 /// What the matrix of a job means.
 struct MatrixMeaning {
-  Metric metric = Metric::kRms;
+  std::string metric;
+  std::string unit;
   Symmetrization symmetrization = Symmetrization::kMean;
   DistanceSign sign = DistanceSign::kAbsolute;
 };
@@ -55,9 +56,45 @@ void Symmetrize(const AnalysisSource& source, AnalysisInput& input) {
       "the matrix is directed: the mean of both directions stands for each pair (--symmetrize)");
 }
 
-void Describe(const MatrixMeaning& meaning, AnalysisInput& input) {
-  input.metric = std::string(MetricName(meaning.metric));
-  input.unit = ValueUnit({.metric = meaning.metric});
+/// A member that is text; empty if there is none.
+std::string TextOf(const Json& object, const char* key) {
+  return object.is_object() && object.contains(key) && object[key].is_string()
+             ? object[key].get<std::string>()
+             : std::string();
+}
+
+absl::StatusOr<Json> ReadJson(const fs::path& file) {
+  COHORT_ASSIGN_OR_RETURN(const std::string text, ReadWholeFile(file));
+  Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object()) {
+    return absl::InvalidArgumentError(file.string() + ": is not JSON");
+  }
+  return json;
+}
+
+/// @return kInvalidArgument if a name is not known.
+absl::StatusOr<MatrixMeaning> MeaningOf(const fs::path& file,
+                                        const std::string& symmetrization,
+                                        const std::string& sign) {
+  const auto rule = SymmetrizationFromName(symmetrization);
+  const auto its_sign = DistanceSignFromName(sign);
+  if (!rule || !its_sign) {
+    return absl::InvalidArgumentError(file.string() + ": symmetrization or sign are not known");
+  }
+  MatrixMeaning meaning;
+  meaning.symmetrization = *rule;
+  meaning.sign = *its_sign;
+  return meaning;
+}
+
+/// What `cohort remeasure` says of its matrix.
+absl::StatusOr<std::optional<MatrixMeaning>> ReadRemeasureFile(const fs::path& file) {
+  COHORT_ASSIGN_OR_RETURN(const Json json, ReadJson(file));
+  COHORT_ASSIGN_OR_RETURN(MatrixMeaning meaning,
+                          MeaningOf(file, TextOf(json, "symmetrization"), TextOf(json, "sign")));
+  meaning.metric = TextOf(json, "metric");
+  meaning.unit = TextOf(json, "unit");
+  return std::optional<MatrixMeaning>(meaning);
 }
 
 /// Reads job.json of a results folder. Other programs may have changed it, so nothing is taken for
@@ -65,11 +102,7 @@ void Describe(const MatrixMeaning& meaning, AnalysisInput& input) {
 /// @return empty if it says nothing of a metric (cohort gpa).
 absl::StatusOr<std::optional<MatrixMeaning>> ReadJobFile(const fs::path& file,
                                                          AnalysisInput& input) {
-  COHORT_ASSIGN_OR_RETURN(const std::string text, ReadWholeFile(file));
-  const Json job = Json::parse(text, nullptr, false);
-  if (!job.is_object()) {
-    return absl::InvalidArgumentError(file.string() + ": is not JSON");
-  }
+  COHORT_ASSIGN_OR_RETURN(const Json job, ReadJson(file));
   for (const Json& mesh : job.value("meshes", Json::array())) {
     if (!mesh.is_object() || !mesh.contains("name") || !mesh["name"].is_string()) {
       return absl::InvalidArgumentError(file.string() + ": a mesh has no name");
@@ -87,20 +120,16 @@ absl::StatusOr<std::optional<MatrixMeaning>> ReadJobFile(const fs::path& file,
   if (!parameters.is_object() || !parameters.contains("metric")) {
     return std::optional<MatrixMeaning>();
   }
-  const auto name_of = [](const Json& object, const char* key) {
-    return object.is_object() && object.contains(key) && object[key].is_string()
-               ? object[key].get<std::string>()
-               : std::string();
-  };
-  const auto metric = MetricFromName(name_of(parameters, "metric"));
-  const auto rule = SymmetrizationFromName(name_of(parameters, "symmetrization"));
-  const auto sign =
-      DistanceSignFromName(name_of(parameters.value("compare", Json::object()), "sign"));
-  if (!metric || !rule || !sign) {
-    return absl::InvalidArgumentError(
-        file.string() + ": parameters metric, symmetrization or compare.sign are not known");
+  const auto metric = MetricFromName(TextOf(parameters, "metric"));
+  if (!metric) {
+    return absl::InvalidArgumentError(file.string() + ": the metric is not known");
   }
-  return std::optional<MatrixMeaning>({*metric, *rule, *sign});
+  COHORT_ASSIGN_OR_RETURN(MatrixMeaning meaning,
+                          MeaningOf(file, TextOf(parameters, "symmetrization"),
+                                    TextOf(parameters.value("compare", Json::object()), "sign")));
+  meaning.metric = std::string(MetricName(*metric));
+  meaning.unit = ValueUnit({.metric = *metric});
+  return std::optional<MatrixMeaning>(meaning);
 }
 
 /// Residuals of meshes.csv.
@@ -134,12 +163,15 @@ absl::StatusOr<AnalysisInput> ReadFolder(const AnalysisSource& source) {
   std::optional<MatrixMeaning> meaning;
   if (fs::exists(folder / "job.json")) {
     COHORT_ASSIGN_OR_RETURN(meaning, ReadJobFile(folder / "job.json", input));
+  } else if (fs::exists(folder / "remeasure.json")) {
+    COHORT_ASSIGN_OR_RETURN(meaning, ReadRemeasureFile(folder / "remeasure.json"));
   }
   if (meaning) {
     COHORT_RETURN_IF_ERROR(RequireUnsigned(meaning->sign));
-    Describe(*meaning, input);
+    input.metric = meaning->metric;
+    input.unit = meaning->unit;
   }
-  if (source.metric && (!meaning || meaning->metric != *source.metric)) {
+  if (source.metric && (!meaning || meaning->metric != MetricName(*source.metric))) {
     const std::string metric(MetricName(*source.metric));
     return absl::FailedPreconditionError(
         absl::StrCat("holds ", meaning ? input.metric : "another metric", ", not ", metric,
@@ -189,22 +221,20 @@ absl::StatusOr<AnalysisInput> FetchJob(const AnalysisSource& source) {
   COHORT_ASSIGN_OR_RETURN(const Job job, session->GetJob(id));
   COHORT_ASSIGN_OR_RETURN(const std::vector<JobMesh> meshes, session->ListJobMeshes(id));
   COHORT_RETURN_IF_ERROR(RequireUnsigned(job.spec.compare.sign));
-  const MatrixMeaning meaning{.metric = source.metric.value_or(job.spec.metric),
-                              .symmetrization = job.spec.symmetrization,
-                              .sign = job.spec.compare.sign};
-  COHORT_ASSIGN_OR_RETURN(
-      const RowMajorMatrix directed,
-      session->GetMatrix(id, meaning.metric, static_cast<int64_t>(meshes.size())));
+  const Metric metric = source.metric.value_or(job.spec.metric);
+  COHORT_ASSIGN_OR_RETURN(const RowMajorMatrix directed,
+                          session->GetMatrix(id, metric, static_cast<int64_t>(meshes.size())));
   AnalysisInput input;
   input.source = source.source;
   input.matrix = WithoutRejected(directed, meshes);
-  Describe(meaning, input);
-  if (source.symmetrize || meaning.symmetrization == Symmetrization::kDirected) {
+  input.metric = std::string(MetricName(metric));
+  input.unit = ValueUnit({.metric = metric});
+  if (source.symmetrize || job.spec.symmetrization == Symmetrization::kDirected) {
     Symmetrize(source, input);
   } else {
-    input.matrix =
-        Symmetrized(input.matrix, meaning.symmetrization == Symmetrization::kMax ? PairRule::kMax
-                                                                                 : PairRule::kMean);
+    input.matrix = Symmetrized(input.matrix, job.spec.symmetrization == Symmetrization::kMax
+                                                 ? PairRule::kMax
+                                                 : PairRule::kMean);
   }
   for (const JobMesh& mesh : meshes) {
     input.labels[mesh.mesh.name] = mesh.mesh.labels;

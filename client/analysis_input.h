@@ -33,8 +33,9 @@ struct AnalysisInput {
   std::vector<std::string> notes;           ///< One line each.
 };
 
-/// Reads a matrix: of a results folder (matrix.npy + labels.txt, else matrix.csv; job.json and
-/// meshes.csv if they are there), a file (ReadMatrixFile), or a finished job of a server.
+/// Reads a matrix: of a results folder (matrix.npy + labels.txt, else matrix.csv; job.json
+/// or remeasure.json, and meshes.csv if they are there), a file (ReadMatrixFile), or a finished job
+/// of a server.
 ///
 /// Undirected are the values of a job's own rule; those of a directed job are combined by
 /// `symmetrize`, else by their mean, which a note says. A file that is not symmetric is refused

@@ -11,6 +11,7 @@
 
 #include "client/files.h"
 #include "client/labels_csv.h"
+#include "client/name_pattern.h"
 #include "common/analysis/distances.h"
 #include "common/base/status_macros.h"
 
@@ -92,6 +93,30 @@ absl::Status ReplaceLabels(const std::string& labels_file, AnalysisInput& input)
   if (labelled < std::ssize(meshes)) {
     input.notes.push_back(absl::StrCat(std::ssize(meshes) - labelled, " of ", meshes.size(),
                                        " meshes are not in ", labels_file));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status LabelByName(const std::string& pattern, AnalysisInput& input) {
+  COHORT_ASSIGN_OR_RETURN(const NamePattern parsed, NamePattern::Create(pattern));
+  std::vector<std::string> others;
+  for (const std::string& mesh : input.matrix.labels) {
+    const auto labels = parsed.Match(mesh);
+    if (!labels) {
+      others.push_back(mesh);
+      continue;
+    }
+    for (const auto& [column, value] : *labels) {
+      input.labels[mesh][column] = value;
+    }
+  }
+  if (others.size() == input.matrix.labels.size()) {
+    return absl::InvalidArgumentError(absl::StrCat("pattern '", pattern, "': no mesh of ",
+                                                   input.source, " fits it (such as ",
+                                                   others.front(), ")"));
+  }
+  if (!others.empty()) {
+    input.notes.push_back(absl::StrCat("names that do not fit the pattern: ", SomeOf(others)));
   }
   return absl::OkStatus();
 }

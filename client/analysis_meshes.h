@@ -17,6 +17,10 @@ namespace cohort {
 /// @return kInvalidArgument if none of its files is a mesh of the matrix.
 [[nodiscard]] absl::Status ReplaceLabels(const std::string& labels_file, AnalysisInput& input);
 
+/// Puts labels that are in the names of the meshes (NamePattern) in place of those there are.
+/// @return kInvalidArgument if the pattern is none, or no mesh fits it.
+[[nodiscard]] absl::Status LabelByName(const std::string& pattern, AnalysisInput& input);
+
 /// The values of a label column, "" where a mesh has none ("NA" counts as none).
 /// @return kInvalidArgument, naming the columns there are, if no mesh has that one.
 [[nodiscard]] absl::StatusOr<std::vector<std::string>> LabelColumn(const AnalysisInput& input,

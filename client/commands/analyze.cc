@@ -32,6 +32,7 @@ struct AnalyzeFlags {
   MatrixFlags matrix;
   std::string source;
   std::string labels;
+  std::string pattern;
   std::string linkage = "average";
   std::string out;
   AnalysisOptions options;
@@ -150,6 +151,9 @@ absl::StatusOr<int> Analyze(const AnalyzeFlags& flags) {
   if (!flags.labels.empty()) {
     COHORT_RETURN_IF_ERROR(ReplaceLabels(flags.labels, input));
   }
+  if (!flags.pattern.empty()) {
+    COHORT_RETURN_IF_ERROR(LabelByName(flags.pattern, input));
+  }
   ThreadPool threads(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   COHORT_ASSIGN_OR_RETURN(const Analysis analysis, AnalyzeMatrix(input, options, threads));
   nlohmann::ordered_json json = AnalysisToJson(input, options, analysis);
@@ -183,6 +187,8 @@ void AddOptions(CLI::App& command, AnalyzeFlags& flags) {
   flags.matrix.AddTo(command);
   command.add_option("--labels", flags.labels,
                      "CSV of labels with a column 'file'; goes before those of the job");
+  command.add_option("--pattern", flags.pattern,
+                     "labels in the names of the files, e.g. {person}_{session}");
   command.add_option("--by", options.by,
                      "label column of the groups to compare (groups.csv, permanova.csv)");
   command.add_option("--person", options.person, "label column that says whose mesh it is")
@@ -220,7 +226,7 @@ void AddAnalyzeCommand(CLI::App& app, Action& action) {
       "Examples:\n"
       "  cohort analyze results --by sex --out statistics\n"
       "  cohort analyze j-000001 --metric p75 --labels people.csv --linkage ward --clusters 4\n"
-      "  cohort analyze distances_from_r.csv --json");
+      "  cohort analyze distances_from_r.csv --pattern {person}_{session} --json");
   command->callback([flags, &action] { action = [flags] { return Analyze(*flags); }; });
 }
 

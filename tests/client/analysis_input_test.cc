@@ -102,6 +102,19 @@ TEST_F(AnalysisInputTest, RefusesWhatStatisticsCannotMeanAnything) {
                                         "two.csv: the matrix has 2 meshes, at least 3"));
 }
 
+TEST_F(AnalysisInputTest, ReadsAFolderOfRemeasure) {
+  Write("matrix.csv", kMatrix);
+  Write("remeasure.json",
+        R"({"metric": "p95", "unit": "mm", "symmetrization": "directed", "sign": "absolute"})");
+  const auto input = Read();
+  ASSERT_THAT(input, IsOk());
+  EXPECT_EQ(input->metric, "p95");
+  EXPECT_EQ(input->unit, "mm");
+  EXPECT_EQ(input->matrix.values(0, 1), 2);
+  Write("remeasure.json", R"({"metric": "p95", "symmetrization": "mean", "sign": "signed"})");
+  EXPECT_THAT(Read(), StatusIs(absl::StatusCode::kFailedPrecondition, "signed"));
+}
+
 TEST_F(AnalysisInputTest, NamesWhatIsWrongInAFolder) {
   EXPECT_THAT(Read(), StatusIs(absl::StatusCode::kNotFound, "has no matrix.npy"));
   Write("matrix.csv", kSymmetric);
@@ -110,7 +123,7 @@ TEST_F(AnalysisInputTest, NamesWhatIsWrongInAFolder) {
   Write("job.json", R"({"meshes": 1})");
   EXPECT_THAT(Read(), StatusIs(absl::StatusCode::kInvalidArgument, "a mesh has no name"));
   Write("job.json", R"({"meshes": [], "parameters": {"metric": "new"}})");
-  EXPECT_THAT(Read(), StatusIs(absl::StatusCode::kInvalidArgument, "are not known"));
+  EXPECT_THAT(Read(), StatusIs(absl::StatusCode::kInvalidArgument, "metric is not known"));
   Write("job.json", R"({"method": "gpa", "parameters": {"size": "kept"}})");
   EXPECT_THAT(Read(), IsOk());
   EXPECT_THAT(Read("none"), StatusIs(absl::StatusCode::kNotFound, "no such folder"));

@@ -196,5 +196,14 @@ TEST(ReplaceLabels, GoesBeforeTheLabelsOfTheJob) {
   std::filesystem::remove(file);
 }
 
+TEST(LabelByName, TakesLabelsFromTheNames) {
+  AnalysisInput input = Reference();
+  ASSERT_THAT(LabelByName("m{tens}5", input), IsOk());
+  EXPECT_EQ(input.labels["m15.ply"]["tens"], "1");
+  EXPECT_EQ(input.labels["m15.ply"]["group"], "north") << "others stay";
+  EXPECT_THAT(input.notes, ElementsAre(HasSubstr("m00.ply, m01.ply")));
+  EXPECT_THAT(LabelByName("{a}_{b}", input), StatusIs(kInvalid, "(such as m00.ply)"));
+}
+
 }  // namespace
 }  // namespace cohort
