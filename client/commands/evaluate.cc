@@ -1,5 +1,6 @@
 // `cohort evaluate`: chapter 5 of the thesis on the user's own meshes.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -113,7 +114,7 @@ std::string Heading(const Evaluation& evaluation) {
       "of both directions, plain ICP. Times are of one thread unless said.\n\n");
   for (const Density& density : evaluation.densities) {
     absl::StrAppend(&heading, "- ", density.name, ": ",
-                    static_cast<int64_t>(density.vertices + 0.5), " vertices a mesh\n");
+                    std::llround(density.vertices), " vertices a mesh\n");
   }
   return heading;
 }

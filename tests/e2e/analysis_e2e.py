@@ -1,10 +1,14 @@
 """The statistics of a matrix, from the command line to the files: analyze and mantel."""
 import csv
 import json
+import pathlib
+import shutil
+import subprocess
 import unittest
 
 from cohort_e2e import ProgramTest, cohort, read_matrix
 
+EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "deploy" / "examples"
 TABLES = ["neighbours.csv", "clusters.csv", "merges.csv", "dendrogram.newick", "pcoa.csv",
           "pcoa_eigenvalues.csv", "outliers.csv", "groups.csv", "permanova.csv",
           "identification.csv", "cmc.csv", "roc.csv", "scores_genuine.txt", "scores_impostor.txt"]
@@ -145,6 +149,28 @@ class Analysis(ProgramTest):
         again = cohort("mantel", self.results, self.base / "one", "--permutations", 999)
         self.assertIn(f"r = {r:.4f}", again.stdout)
         self.assertIn("nearest mesh is the same", again.stdout)
+
+    def test_the_vignettes_of_r_and_python_find_the_same(self):
+        answer = json.loads(cohort("mantel", self.results, self.base / "one", "--permutations", 999,
+                                   "--json").stdout)
+        run = 0
+        for program, script, needs in (
+                ("/usr/bin/python3", "mantel.py", ["-c", "import numpy"]),
+                ("Rscript", "mantel.R", ["-e", "1"])):
+            if shutil.which(program) is None or subprocess.run(
+                    [program, *needs], capture_output=True, check=False).returncode != 0:
+                continue
+            told = subprocess.run([program, EXAMPLES / script, self.results, self.base / "one",
+                                   "999"], capture_output=True, text=True, check=False)
+            self.assertEqual(told.returncode, 0, told.stderr)
+            values = dict(line.split() for line in told.stdout.splitlines())
+            self.assertAlmostEqual(float(values["r"]), answer["r"], places=12)
+            # Three standard errors of two independent estimates of p.
+            error = 3 * (2 * answer["p"] * (1 - answer["p"]) / 999) ** 0.5
+            self.assertLess(abs(float(values["p"]) - answer["p"]), error + 2 / 1000)
+            run += 1
+        if run == 0:
+            self.skipTest("neither numpy nor R is installed")
 
     def test_mantel_that_cannot_be(self):
         some = self.dir / "some.csv"
