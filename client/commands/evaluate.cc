@@ -113,8 +113,8 @@ std::string Heading(const Evaluation& evaluation) {
       "mean "
       "of both directions, plain ICP. Times are of one thread unless said.\n\n");
   for (const Density& density : evaluation.densities) {
-    absl::StrAppend(&heading, "- ", density.name, ": ",
-                    std::llround(density.vertices), " vertices a mesh\n");
+    absl::StrAppend(&heading, "- ", density.name, ": ", std::llround(density.vertices),
+                    " vertices a mesh\n");
   }
   return heading;
 }

@@ -36,7 +36,7 @@ absl::StatusOr<TriangleMesh> ReferenceOf(Lab& lab, const Experiment& run) {
 /// Figure 5.7: how many triads stay when another mesh is the base.
 absl::Status AddBases(Evaluation& evaluation, Lab& lab) {
   const Density& density = evaluation.densities.front();
-  if (evaluation.MeshCount() < 2 * kTriad) {
+  if (evaluation.MeshCount() < int64_t{2} * kTriad) {
     evaluation.findings.NotTested("fig. 5.7", PropertyClass::kRange,
                                   "60 % of the triads stay when the base changes",
                                   "needs 6 meshes");

@@ -146,29 +146,33 @@ void CheckNearest(const Agreements& agree, Findings& findings) {
                          kExpectedShare * static_cast<double>(rows));
 }
 
-absl::StatusOr<Agreements> AddTriadsOf(Evaluation& evaluation,
-                                       Lab& lab,
-                                       int iterations,
-                                       double tolerance,
-                                       const std::string& item,
-                                       const std::string& title,
-                                       const std::string& thesis) {
+/// A table of triads with other parameters than the thesis's defaults.
+struct Variant {
+  int iterations;
+  double tolerance;  ///< mm
+  const char* item;
+  const char* title;
+  const char* thesis;
+};
+
+absl::StatusOr<Agreements> AddTriadsOf(Evaluation& evaluation, Lab& lab, const Variant& variant) {
   const Density& density = evaluation.Middle();
   std::array<Experiment, 3> runs;
   for (size_t s = 0; s < kStrategies.size(); ++s) {
     COHORT_ASSIGN_OR_RETURN(
         runs[s],
-        lab.Run(density.set, ThesisSpec(kStrategies[s], iterations, tolerance), Timing::kAnyTime));
+        lab.Run(density.set, ThesisSpec(kStrategies[s], variant.iterations, variant.tolerance),
+                Timing::kAnyTime));
   }
   COHORT_ASSIGN_OR_RETURN(Agreements agree, Agree({&runs[0], &runs[1], &runs[2]}));
-  evaluation.findings.tables.push_back(
-      TriadTable(item, title + ", " + density.name, agree, thesis));
+  evaluation.findings.tables.push_back(TriadTable(
+      variant.item, std::string(variant.title) + ", " + density.name, agree, variant.thesis));
   return agree;
 }
 
 absl::Status AddTriads(Evaluation& evaluation, Lab& lab) {
   Findings& findings = evaluation.findings;
-  if (evaluation.MeshCount() < 2 * kTriad) {
+  if (evaluation.MeshCount() < int64_t{2} * kTriad) {
     findings.NotTested("5.9-5.13", PropertyClass::kOrdinal, "triads agree", "needs 6 meshes");
     return absl::OkStatus();
   }
@@ -189,7 +193,7 @@ absl::Status AddTriads(Evaluation& evaluation, Lab& lab) {
   CheckNearest(middle, findings);
   COHORT_ASSIGN_OR_RETURN(
       const Agreements fewer,
-      AddTriadsOf(evaluation, lab, 20, 0.05, "5.12", "triads with I = 20", "4,2,12,2 / 9,2,7,2"));
+      AddTriadsOf(evaluation, lab, {20, 0.05, "5.12", "triads with I = 20", "4,2,12,2 / 9,2,7,2"}));
   findings.Check(
       "5.12", PropertyClass::kOrdinal,
       "fewer iterations (I = 20) do not make To Average agree better", "9+2 of 10+1",
@@ -199,7 +203,7 @@ absl::Status AddTriads(Evaluation& evaluation, Lab& lab) {
           middle.average.correct + middle.average.wrong_order);
   COHORT_ASSIGN_OR_RETURN(
       const Agreements looser,
-      AddTriadsOf(evaluation, lab, 40, 0.1, "5.13", "triads with e = 0.1", "3,2,13,2 / 7,4,7,2"));
+      AddTriadsOf(evaluation, lab, {40, 0.1, "5.13", "triads with e = 0.1", "3,2,13,2 / 7,4,7,2"}));
   findings.Check(
       "5.13", PropertyClass::kOrdinal,
       "a looser stop (e = 0.1) does not make To Average agree better", "7 of 10",

@@ -269,7 +269,7 @@ absl::Status AddSpeedUp(Evaluation& evaluation) {
   const int workers = LocalThreads();
   Density& densest = evaluation.densities.back();
   const std::string claim = "speed-up of P workers at least 0.7 P, and the same bytes";
-  if (workers < 2 || evaluation.MeshCount() < 4 * workers) {
+  if (workers < 2 || evaluation.MeshCount() < int64_t{4} * workers) {
     evaluation.findings.NotTested(
         "5.6", PropertyClass::kOrdinal, claim,
         absl::StrCat("needs several processors and 4 meshes for each; here ", workers));
