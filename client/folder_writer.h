@@ -34,6 +34,7 @@ class FolderWriter {
     std::error_code absent;
     std::filesystem::remove(folder_ / name, absent);
   }
+  [[nodiscard]] const std::filesystem::path& Folder() const { return folder_; }
   [[nodiscard]] const std::vector<ResultFile>& Files() const { return files_; }
 
  private:

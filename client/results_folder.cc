@@ -4,103 +4,28 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
+#include <thread>
 
+#include "client/fetched_job.h"
 #include "client/files.h"
 #include "client/folder_writer.h"
 #include "client/preview.h"
+#include "client/report_file.h"
+#include "common/analysis/clustering.h"
 #include "common/base/status_macros.h"
+#include "common/base/thread_pool.h"
 #include "common/base/version.h"
-#include "common/jobs/blobs.h"
 #include "common/report/csv.h"
 #include "common/report/heatmap.h"
 #include "common/report/histogram.h"
 #include "common/report/job_json.h"
 #include "common/report/job_meshes.h"
 #include "common/report/npy.h"
+#include "common/report/render/variation_picture.h"
 #include "common/report/variation_ply.h"
-#include "common/store/mesh_blob.h"
 
 namespace cohort {
 namespace {
-
-/// Everything of a job that its files are made from.
-struct Fetched {
-  Job job;
-  std::vector<JobMesh> meshes;
-  std::vector<MeshAlignment> alignments;
-  std::vector<MeshAlignment> poses;
-  MetricMatrix matrix;               ///< Of the meshes that were not rejected, symmetrised.
-  std::vector<std::string> persons;  ///< One per row of the matrix.
-  TriangleMesh mean_shape;
-  TriangleMesh variation_shape;
-  std::vector<std::string> unmeasured;  ///< Meshes whose values of all others are NaN.
-  VariationSummary variation;
-  BaseChoice base_choice;  ///< Without candidates if the base was given.
-};
-
-std::vector<std::string> UnmeasuredMeshes(const MetricMatrix& directed) {
-  std::vector<std::string> names;
-  for (Eigen::Index row = 0; row < directed.values.rows(); ++row) {
-    const auto unknown = directed.values.row(row).array().isNaN();
-    const Eigen::Index off_diagonal = unknown.count() - (unknown(row) ? 1 : 0);
-    if (off_diagonal == directed.values.cols() - 1) {
-      names.push_back(directed.labels[static_cast<size_t>(row)]);
-    }
-  }
-  return names;
-}
-
-absl::StatusOr<TriangleMesh> FetchMesh(Session& session, const Digest& blob) {
-  COHORT_ASSIGN_OR_RETURN(const std::string bytes, session.Blobs().Get(blob));
-  return DecodeMeshBlob(bytes);
-}
-
-absl::StatusOr<std::vector<MeshAlignment>> FetchAlignments(Session& session,
-                                                           const std::vector<Digest>& blobs) {
-  std::vector<MeshAlignment> alignments;
-  for (const Digest& blob : blobs) {
-    COHORT_ASSIGN_OR_RETURN(const std::string bytes, session.Blobs().Get(blob));
-    COHORT_ASSIGN_OR_RETURN(const std::vector<MeshAlignment> some, DecodeAlignmentBlob(bytes));
-    alignments.insert(alignments.end(), some.begin(), some.end());
-  }
-  return alignments;
-}
-
-absl::StatusOr<Fetched> Fetch(Session& session, const JobId& id, std::optional<Metric> metric) {
-  Fetched fetched;
-  COHORT_ASSIGN_OR_RETURN(fetched.job, session.GetJob(id));
-  if (metric) {
-    fetched.job.spec.metric = *metric;
-  }
-  COHORT_ASSIGN_OR_RETURN(const JobOutputs outputs, session.GetOutputs(id));
-  COHORT_ASSIGN_OR_RETURN(fetched.meshes, session.ListJobMeshes(id));
-  COHORT_ASSIGN_OR_RETURN(
-      const RowMajorMatrix directed,
-      session.GetMatrix(id, fetched.job.spec.metric, static_cast<int64_t>(fetched.meshes.size())));
-  fetched.matrix = WithoutRejected(directed, fetched.meshes);
-  fetched.unmeasured = UnmeasuredMeshes(fetched.matrix);
-  if (fetched.job.spec.symmetrization != Symmetrization::kDirected) {
-    fetched.matrix = Symmetrized(
-        fetched.matrix,
-        fetched.job.spec.symmetrization == Symmetrization::kMax ? PairRule::kMax : PairRule::kMean);
-  }
-  fetched.persons = PersonsOf(fetched.matrix.labels, fetched.meshes);
-  COHORT_ASSIGN_OR_RETURN(fetched.alignments, FetchAlignments(session, outputs.alignments));
-  COHORT_ASSIGN_OR_RETURN(fetched.poses, FetchAlignments(session, outputs.poses));
-  COHORT_ASSIGN_OR_RETURN(fetched.mean_shape, FetchMesh(session, outputs.mean_shape));
-  fetched.variation_shape = fetched.mean_shape;
-  if (!outputs.variation_shape.empty()) {
-    COHORT_ASSIGN_OR_RETURN(fetched.variation_shape, FetchMesh(session, outputs.variation_shape));
-  }
-  COHORT_ASSIGN_OR_RETURN(const std::string summary, session.Blobs().Get(outputs.summary));
-  COHORT_ASSIGN_OR_RETURN(fetched.variation, DecodeSummaryBlob(summary));
-  if (!outputs.base_choice.empty()) {
-    COHORT_ASSIGN_OR_RETURN(const std::string choice, session.Blobs().Get(outputs.base_choice));
-    COHORT_ASSIGN_OR_RETURN(fetched.base_choice, DecodeBaseBlob(choice));
-  }
-  return fetched;
-}
 
 std::string HostName() {
   std::array<char, 256> host{};
@@ -114,7 +39,7 @@ bool HasNeighbours(const JobSpec& spec) {
 }
 
 /// What the files of this job do not say themselves.
-std::vector<std::string> NotesOf(const Fetched& fetched) {
+std::vector<std::string> NotesOf(const FetchedJob& fetched) {
   constexpr size_t kNamed = 3;
   const JobSpec& spec = fetched.job.spec;
   std::vector<std::string> notes;
@@ -145,7 +70,7 @@ std::vector<std::string> NotesOf(const Fetched& fetched) {
 }
 
 absl::Status WriteTables(FolderWriter& out,
-                         const Fetched& fetched,
+                         const FetchedJob& fetched,
                          const std::vector<std::vector<Neighbour>>& neighbours,
                          const std::string& unit) {
   const JobSpec& spec = fetched.job.spec;
@@ -179,7 +104,7 @@ absl::Status WriteTables(FolderWriter& out,
 }
 
 absl::Status WritePictures(FolderWriter& out,
-                           const Fetched& fetched,
+                           const FetchedJob& fetched,
                            const MatrixDescription& description) {
   const std::string unit = ValueUnit(description);
   COHORT_RETURN_IF_ERROR(out.Write({"heatmap.png", "the matrix as a picture", unit},
@@ -193,15 +118,63 @@ absl::Status WritePictures(FolderWriter& out,
   COHORT_RETURN_IF_ERROR(out.Write(
       {"mean_shape.ply", is_fidentis && spec.method != Method::kAverage ? stepped : mean, "mm"},
       MeanShapePly(fetched.mean_shape)));
-  return out.Write({"variation.ply",
-                    (is_fidentis ? stepped : mean) +
-                        " with, for each vertex, the metrics of its distances to all "
-                        "meshes as scalars and the RMS as colour",
-                    "mm"},
-                   VariationPly(fetched.variation_shape, fetched.variation));
+  const std::string values = (is_fidentis ? stepped : mean) +
+                             " with, for each vertex, the metrics of its distances to all "
+                             "meshes as scalars";
+  COHORT_RETURN_IF_ERROR(out.Write({"variation.ply", values + " and the RMS as colour", "mm"},
+                                   VariationPly(fetched.variation_shape, fetched.variation)));
+  COHORT_RETURN_IF_ERROR(out.Write({"variation.vtk", values + " (legacy VTK)", "mm"},
+                                   VariationVtk(fetched.variation_shape, fetched.variation)));
+  return out.Write({"variation.png", "the RMS on the shape from three views", "mm"},
+                   VariationPng(fetched.variation_shape, fetched.variation));
 }
 
-void CountPersons(const Fetched& fetched,
+/// What a report is made from besides the job.
+struct ReportParts {
+  const MatrixDescription& description;
+  const std::vector<std::vector<Neighbour>>& neighbours;
+  const std::vector<std::string>& notes;
+};
+
+/// What takes threads: the report and the aligned meshes.
+absl::Status WriteExtras(Session& session,
+                         const FetchedJob& fetched,
+                         const ReportParts& parts,
+                         const ResultsOptions& options,
+                         FolderWriter& out) {
+  ThreadPool threads(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 16));
+  if (options.report == ResultsOptions::Report::kWrite) {
+    COHORT_RETURN_IF_ERROR(out.Write(
+        {"report.html", "all of it for people: open it in a browser", ""},
+        MakeReport(session, fetched, parts.description, parts.neighbours, parts.notes, threads)));
+  } else {
+    out.LeaveOut("report.html");
+  }
+  if (!options.aligned_meshes) return absl::OkStatus();
+  COHORT_ASSIGN_OR_RETURN(const int64_t written,
+                          WriteAlignedMeshes(session, fetched, *options.aligned_meshes,
+                                             out.Folder() / kAlignedFolder, threads));
+  out.Note({std::string(kAlignedFolder) + "/",
+            Counted(written, "mesh", "meshes") + " in the frame of the job", "mm"});
+  return absl::OkStatus();
+}
+
+/// The tree of average linkage; nothing where the values are no distances or some are missing.
+absl::Status WriteTree(FolderWriter& out, const FetchedJob& fetched, const std::string& unit) {
+  const JobSpec& spec = fetched.job.spec;
+  const bool directed = spec.symmetrization == Symmetrization::kDirected;
+  const MetricMatrix matrix =
+      directed ? Symmetrized(fetched.matrix, PairRule::kMean) : fetched.matrix;
+  const absl::StatusOr<Dendrogram> tree = ClusterMeshes(matrix, Linkage::kAverage);
+  if (!HasNeighbours(spec) || !tree.ok()) {
+    out.LeaveOut("dendrogram.newick");
+    return absl::OkStatus();
+  }
+  return out.Write({"dendrogram.newick", "clusters by average linkage, as a tree", unit},
+                   NewickText(*tree, matrix.labels));
+}
+
+void CountPersons(const FetchedJob& fetched,
                   const std::vector<std::vector<Neighbour>>& neighbours,
                   ResultsDigest& digest) {
   for (size_t i = 0; i < fetched.persons.size(); ++i) {
@@ -221,9 +194,9 @@ void CountPersons(const Fetched& fetched,
 
 absl::StatusOr<ResultsDigest> WriteResults(Session& session,
                                            const JobId& id,
-                                           std::optional<Metric> metric,
+                                           const ResultsOptions& options,
                                            const std::filesystem::path& folder) {
-  COHORT_ASSIGN_OR_RETURN(const Fetched fetched, Fetch(session, id, metric));
+  COHORT_ASSIGN_OR_RETURN(const FetchedJob fetched, FetchJob(session, id, options.metric));
   COHORT_RETURN_IF_ERROR(PrepareFolder(folder));
   const JobSpec& spec = fetched.job.spec;
   const MatrixDescription description{.metric = spec.metric,
@@ -234,6 +207,7 @@ absl::StatusOr<ResultsDigest> WriteResults(Session& session,
   const auto neighbours = NearestNeighbours(fetched.matrix, spec.neighbours);
   FolderWriter out(folder);
   COHORT_RETURN_IF_ERROR(WriteTables(out, fetched, neighbours, ValueUnit(description)));
+  COHORT_RETURN_IF_ERROR(WriteTree(out, fetched, ValueUnit(description)));
   COHORT_RETURN_IF_ERROR(WritePictures(out, fetched, description));
   if (spec.preview) {
     COHORT_RETURN_IF_ERROR(WritePreview(session, fetched.job, folder).status());
@@ -248,6 +222,8 @@ absl::StatusOr<ResultsDigest> WriteResults(Session& session,
   digest.job = fetched.job;
   digest.meshes = fetched.meshes;
   digest.notes = NotesOf(fetched);
+  COHORT_RETURN_IF_ERROR(
+      WriteExtras(session, fetched, {description, neighbours, digest.notes}, options, out));
   if (HasNeighbours(spec)) {
     CountPersons(fetched, neighbours, digest);
   }

@@ -5,6 +5,7 @@
 
 #include <absl/status/statusor.h>
 
+#include "client/mesh_export.h"
 #include "client/session.h"
 
 namespace cohort {
@@ -20,12 +21,20 @@ struct ResultsDigest {
   int64_t with_same_person = 0;
 };
 
+/// What is written besides the tables and pictures that always are.
+struct ResultsOptions {
+  enum class Report { kWrite, kLeaveOut };
+  std::optional<Metric> metric = std::nullopt;  ///< Another metric than the job's.
+  Report report = Report::kWrite;               ///< report.html.
+  std::optional<MeshFormat> aligned_meshes =
+      std::nullopt;  ///< All meshes in the job's frame, in "aligned".
+};
+
 /// Fetches the results of a job that succeeded and writes its files into `folder`.
-/// @param metric  another metric than the job's, or empty.
 /// @return kFailedPrecondition if the job has not succeeded; as WriteWholeFile.
 [[nodiscard]] absl::StatusOr<ResultsDigest> WriteResults(Session& session,
                                                          const JobId& id,
-                                                         std::optional<Metric> metric,
+                                                         const ResultsOptions& options,
                                                          const std::filesystem::path& folder);
 
 }  // namespace cohort

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Installs, on Debian 12, the packages that Cohort is built from; with --tests also what its tests
-# and gates need, with --bench what its benchmarks and their rivals need. Does nothing when
+# and gates need, with --browser what the tests of report.html open it in (Chromium, 120 MB; without it
+# they are skipped), with --bench what its benchmarks and their rivals need. Does nothing when
 # everything is there already, so every other script calls it.
-#   usage: deploy/install-dependencies.sh [--tests | --bench]
+#   usage: deploy/install-dependencies.sh [--tests | --browser | --bench]
 set -euo pipefail
 
 # libgrpc++-dev alone can neither compile a .proto nor be found by CMake: the compiler, its gRPC
@@ -44,6 +45,7 @@ case "${1:-}" in
     # Debian's npm cannot be installed beside it.
     command -v npm >/dev/null || packages+=(nodejs npm)
     ;;
+  --browser) packages+=(python3 chromium) ;;
   --bench) packages+=("${bench_packages[@]}") ;;
   -h | --help)
     usage

@@ -29,12 +29,14 @@ struct JobCommandFlags {
   std::string set;
   std::string out;
   std::string metric;
+  std::string meshes;
   std::string request_id;
   JobFlags spec;
   bool wait = false;
   bool preview = false;
   std::optional<int64_t> verify;
   uint64_t seed = 1;
+  bool no_report = false;
   int limit = 20;
 };
 
@@ -166,6 +168,28 @@ absl::StatusOr<int> Verify(const JobCommandFlags& flags) {
   return result.differences.empty() ? kExitOk : kExitFailed;
 }
 
+absl::StatusOr<ResultsOptions> ResultsOptionsOf(const JobCommandFlags& flags) {
+  ResultsOptions options;
+  if (flags.no_report) {
+    options.report = ResultsOptions::Report::kLeaveOut;
+  }
+  if (!flags.metric.empty()) {
+    options.metric = MetricFromName(flags.metric);
+    if (!options.metric) {
+      return absl::InvalidArgumentError("--metric " + flags.metric +
+                                        ": expected rms, mean, geometric-mean, min, max, variance "
+                                        "or p75");
+    }
+  }
+  if (!flags.meshes.empty()) {
+    options.aligned_meshes = MeshFormatFromName(flags.meshes);
+    if (!options.aligned_meshes) {
+      return absl::InvalidArgumentError("--meshes " + flags.meshes + ": expected ply, obj or stl");
+    }
+  }
+  return options;
+}
+
 absl::StatusOr<int> Results(const JobCommandFlags& flags) {
   if (flags.verify) {
     return Verify(flags);
@@ -176,18 +200,10 @@ absl::StatusOr<int> Results(const JobCommandFlags& flags) {
   if (flags.preview) {
     return Preview(flags);
   }
-  std::optional<Metric> metric;
-  if (!flags.metric.empty()) {
-    metric = MetricFromName(flags.metric);
-    if (!metric) {
-      return absl::InvalidArgumentError("--metric " + flags.metric +
-                                        ": expected rms, mean, geometric-mean, min, max, variance "
-                                        "or p75");
-    }
-  }
+  COHORT_ASSIGN_OR_RETURN(const ResultsOptions options, ResultsOptionsOf(flags));
   COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, flags.server.Connect());
   COHORT_ASSIGN_OR_RETURN(const ResultsDigest results,
-                          WriteResults(*session, JobId{flags.job}, metric, flags.out));
+                          WriteResults(*session, JobId{flags.job}, options, flags.out));
   std::cout << (flags.server.json ? ResultsToJson(results, flags.out).dump(2) + "\n"
                                   : ResultsToText(results, flags.out));
   return ExitCodeOfJob(results.job);
@@ -252,6 +268,9 @@ void AddResultsCommand(CLI::App& app, Action& action) {
   command->add_option("--out", flags->out, "folder; made if new");
   command->add_option("--metric", flags->metric,
                       "another metric than the job's; nothing is computed anew");
+  command->add_option("--meshes", flags->meshes,
+                      "ply, obj or stl: also all meshes in the frame of the job, in OUT/aligned");
+  command->add_flag("--no-report", flags->no_report, "leave out report.html");
   command->add_flag("--preview", flags->preview,
                     "only the preview of a job with --preview, which may still run");
   command
@@ -261,8 +280,10 @@ void AddResultsCommand(CLI::App& app, Action& action) {
       ->check(CLI::Range(int64_t{1}, int64_t{1'000'000'000}));
   command->add_option("--seed", flags->seed, "which pairs --verify draws")->capture_default_str();
   command->footer(
-      "Examples: cohort results j-000001 --out results --metric p75\n"
-      "          cohort results j-000001 --verify 100");
+      "Examples:\n"
+      "  cohort results j-000001 --out results --metric p75\n"
+      "  cohort results j-000001 --out results --meshes ply\n"
+      "  cohort results j-000001 --verify 100");
 }
 
 }  // namespace cohort

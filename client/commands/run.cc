@@ -37,6 +37,7 @@ struct RunFlags {
   int workers = 1;
   int threads = 0;
   bool keep_data = false;
+  bool no_report = false;
   bool json = false;
   JobFlags spec;
 };
@@ -100,7 +101,10 @@ absl::StatusOr<ResultsDigest> Compute(const RunFlags& flags,
     ended.job = job;
     return ended;
   }
-  return WriteResults(*session, job.id, std::nullopt, flags.out);
+  return WriteResults(*session, job.id,
+                      {.report = flags.no_report ? ResultsOptions::Report::kLeaveOut
+                                                 : ResultsOptions::Report::kWrite},
+                      flags.out);
 }
 
 absl::StatusOr<int> RunOnCluster(const RunFlags& flags,
@@ -202,6 +206,7 @@ void AddRunCommand(CLI::App& app, Action& action) {
       "folder for catalog and blobs, kept for later runs [OUT/.cohort-data, removed "
       "when the job has succeeded]");
   command->add_flag("--keep-data", flags->keep_data, "keep OUT/.cohort-data");
+  command->add_flag("--no-report", flags->no_report, "leave out report.html");
   command->add_flag("--json", flags->json, "print JSON for scripts");
   flags->spec.AddTo(*command);
   command->footer(

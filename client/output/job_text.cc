@@ -128,8 +128,11 @@ std::string ResultsToText(const ResultsDigest& results, const std::string& folde
   }
   text += "results are in " + folder + "\n";
   const bool has_neighbours = results.job.spec.compare.sign == DistanceSign::kAbsolute;
-  text += std::string("  look first at heatmap.png, matrix.csv, ") +
-          (has_neighbours ? "neighbours.csv, " : "") + "mean_shape.ply\n";
+  const bool has_report =
+      std::find(results.files.begin(), results.files.end(), "report.html") != results.files.end();
+  text += std::string("  look first at ") + (has_report ? "report.html, " : "") +
+          "heatmap.png, matrix.csv, " + (has_neighbours ? "neighbours.csv, " : "") +
+          "mean_shape.ply\n";
   return text;
 }
 

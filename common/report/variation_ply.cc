@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "common/base/status_macros.h"
 #include "common/geometry/comparison/metrics.h"
 #include "common/geometry/io/write_mesh.h"
 #include "common/report/color_map.h"
@@ -32,6 +33,20 @@ VertexScalar Scalar(const VariationSummary& summary, Metric metric) {
   return scalar;
 }
 
+std::vector<VertexScalar> Scalars(const VariationSummary& summary) {
+  std::vector<VertexScalar> scalars;
+  scalars.reserve(kMetricCount);
+  for (const Metric metric : kAllMetrics) scalars.push_back(Scalar(summary, metric));
+  return scalars;
+}
+
+absl::Status CheckSizes(const TriangleMesh& mean_shape, const VariationSummary& summary) {
+  if (std::ssize(summary.values) == mean_shape.VertexCount()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "variation: a summary of " + std::to_string(summary.values.size()) +
+      " vertices for a mean shape of " + std::to_string(mean_shape.VertexCount()));
+}
+
 }  // namespace
 
 ValueRange VariationColorRange(const VariationSummary& summary) {
@@ -40,14 +55,8 @@ ValueRange VariationColorRange(const VariationSummary& summary) {
 
 absl::StatusOr<std::string> VariationPly(const TriangleMesh& mean_shape,
                                          const VariationSummary& summary) {
-  if (std::ssize(summary.values) != mean_shape.VertexCount()) {
-    return absl::InvalidArgumentError(
-        "variation: a summary of " + std::to_string(summary.values.size()) +
-        " vertices for a mean shape of " + std::to_string(mean_shape.VertexCount()));
-  }
-  std::vector<VertexScalar> scalars;
-  scalars.reserve(kMetricCount);
-  for (const Metric metric : kAllMetrics) scalars.push_back(Scalar(summary, metric));
+  COHORT_RETURN_IF_ERROR(CheckSizes(mean_shape, summary));
+  const std::vector<VertexScalar> scalars = Scalars(summary);
   const ValueRange range = VariationColorRange(summary);
   std::vector<Rgb> colors;
   colors.reserve(summary.values.size());
@@ -55,6 +64,12 @@ absl::StatusOr<std::string> VariationPly(const TriangleMesh& mean_shape,
     colors.push_back(MapColor(range.Position(value)));
   }
   return WritePly(mean_shape, scalars, colors);
+}
+
+absl::StatusOr<std::string> VariationVtk(const TriangleMesh& mean_shape,
+                                         const VariationSummary& summary) {
+  COHORT_RETURN_IF_ERROR(CheckSizes(mean_shape, summary));
+  return WriteVtk(mean_shape, Scalars(summary));
 }
 
 std::string MeanShapePly(const TriangleMesh& mean_shape) {

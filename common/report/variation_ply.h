@@ -20,6 +20,11 @@ namespace cohort {
 [[nodiscard]] absl::StatusOr<std::string> VariationPly(const TriangleMesh& mean_shape,
                                                        const VariationSummary& summary);
 
+/// The same values as a legacy VTK file (binary PolyData, version 3.0) for ParaView and R.
+/// @return as VariationPly.
+[[nodiscard]] absl::StatusOr<std::string> VariationVtk(const TriangleMesh& mean_shape,
+                                                       const VariationSummary& summary);
+
 /// The mean shape alone.
 [[nodiscard]] std::string MeanShapePly(const TriangleMesh& mean_shape);
 

@@ -16,7 +16,8 @@ SHARED = pathlib.Path(os.environ.get("COHORT_SHARED", "/nonexistent"))
 # Every file of a results folder; job.json is compared without its object "run".
 RESULT_FILES = [
     "matrix.csv", "matrix.npy", "labels.txt", "neighbours.csv", "meshes.csv", "transforms.csv",
-    "mean_shape.ply", "variation.ply", "heatmap.png", "histogram.png", "job.json",
+    "mean_shape.ply", "variation.ply", "variation.vtk", "variation.png", "heatmap.png",
+    "histogram.png", "job.json",
 ]
 
 

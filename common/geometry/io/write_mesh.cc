@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <charconv>
+#include <cstdint>
 #include <string_view>
 
 #include <absl/strings/str_cat.h>
@@ -43,6 +45,12 @@ void AppendFloat(double value, std::string& text) {
       std::to_chars(digits.data(), digits.data() + digits.size(), static_cast<float>(value));
   assert(error == std::errc());
   text.append(digits.data(), end);
+}
+
+void AppendBigEndian(uint32_t value, std::string& bytes) {
+  for (const unsigned shift : {24U, 16U, 8U, 0U}) {
+    bytes += static_cast<char>(static_cast<uint8_t>(value >> shift));
+  }
 }
 
 }  // namespace
@@ -115,6 +123,38 @@ std::string WriteStl(const TriangleMesh& mesh) {
     writer.Put(uint16_t{0});
   }
   return std::move(writer).Take();
+}
+
+std::string WriteVtk(const TriangleMesh& mesh, std::span<const VertexScalar> scalars) {
+  std::string vtk = absl::StrCat(
+      "# vtk DataFile Version 3.0\nwritten by Cohort\nBINARY\nDATASET POLYDATA\nPOINTS ",
+      mesh.VertexCount(), " float\n");
+  for (int64_t v = 0; v < mesh.VertexCount(); ++v) {
+    for (const double coordinate : mesh.vertices.col(v)) {
+      AppendBigEndian(std::bit_cast<uint32_t>(static_cast<float>(coordinate)), vtk);
+    }
+  }
+  const bool is_cloud = mesh.IsPointCloud();
+  const int64_t cells = is_cloud ? mesh.VertexCount() : mesh.FaceCount();
+  const uint32_t corners = is_cloud ? 1 : 3;
+  absl::StrAppend(&vtk, is_cloud ? "\nVERTICES " : "\nPOLYGONS ", cells, " ", cells * (corners + 1),
+                  "\n");
+  for (int64_t cell = 0; cell < cells; ++cell) {
+    AppendBigEndian(corners, vtk);
+    for (uint32_t k = 0; k < corners; ++k) {
+      const int64_t vertex = is_cloud ? cell : mesh.faces(k, cell);
+      AppendBigEndian(static_cast<uint32_t>(vertex), vtk);
+    }
+  }
+  absl::StrAppend(&vtk, "\n");
+  if (!scalars.empty()) absl::StrAppend(&vtk, "POINT_DATA ", mesh.VertexCount(), "\n");
+  for (const VertexScalar& scalar : scalars) {
+    assert(std::ssize(scalar.values) == mesh.VertexCount());
+    absl::StrAppend(&vtk, "SCALARS ", scalar.name, " float 1\nLOOKUP_TABLE default\n");
+    for (const float value : scalar.values) AppendBigEndian(std::bit_cast<uint32_t>(value), vtk);
+    absl::StrAppend(&vtk, "\n");
+  }
+  return vtk;
 }
 
 }  // namespace cohort

@@ -35,4 +35,10 @@ struct VertexScalar {
 /// Binary STL.
 [[nodiscard]] std::string WriteStl(const TriangleMesh& mesh);
 
+/// Legacy VTK 3.0, binary PolyData: points, triangles (without faces: vertices), and one SCALARS of
+/// the points each. Read by ParaView, VTK and meshio.
+/// Source: VTK file formats, "Simple Legacy Formats".
+[[nodiscard]] std::string WriteVtk(const TriangleMesh& mesh,
+                                   std::span<const VertexScalar> scalars = {});
+
 }  // namespace cohort

@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include <absl/strings/str_cat.h>
 #include <gmock/gmock.h>
 
 #include "common/geometry/io/write_mesh.h"
@@ -91,6 +92,18 @@ TEST(VariationPly, RefusesASummaryOfAnotherMesh) {
   summary.values.pop_back();
   EXPECT_THAT(VariationPly(Strip(), summary),
               StatusIs(absl::StatusCode::kInvalidArgument, "100 vertices for a mean shape of 101"));
+}
+
+TEST(VariationVtk, HasTheSameScalars) {
+  const absl::StatusOr<std::string> vtk = VariationVtk(Strip(), Ramp());
+  ASSERT_THAT(vtk, IsOk());
+  for (const char* name : {"rms", "mean", "geometric_mean", "min", "max", "variance", "p75"}) {
+    EXPECT_THAT(*vtk, HasSubstr(absl::StrCat("\nSCALARS ", name, " float 1\n")));
+  }
+  VariationSummary summary = Ramp();
+  summary.values.pop_back();
+  EXPECT_THAT(VariationVtk(Strip(), summary),
+              StatusIs(absl::StatusCode::kInvalidArgument, "100 vertices"));
 }
 
 TEST(MeanShapePly, IsTheMeshAlone) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/geometry/io/read_mesh.h"
@@ -106,11 +107,37 @@ TEST(WriteStl, WritesAZeroNormalWhereThereIsNoArea) {
   EXPECT_EQ(bytes.substr(84, 12), std::string(12, '\0'));
 }
 
+TEST(WriteVtk, IsBigEndianPolyData) {
+  const TriangleMesh mesh = MakeMesh({{0, 0, 0}, {1, 0, 0}, {0, -2, 0}}, {{0, 1, 2}});
+  const std::vector<VertexScalar> scalars = {{"rms", {0.5F, 1, 2}}};
+  const auto big = [](std::initializer_list<uint32_t> values) {
+    std::string bytes;
+    for (const uint32_t value : values) {
+      for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+    }
+    return bytes;
+  };
+  // IEEE 754: 1 is 3f800000, -2 is c0000000, 0.5 is 3f000000, 2 is 40000000.
+  EXPECT_EQ(WriteVtk(mesh, scalars),
+            "# vtk DataFile Version 3.0\nwritten by Cohort\nBINARY\nDATASET POLYDATA\n"
+            "POINTS 3 float\n" +
+                big({0, 0, 0, 0x3f800000, 0, 0, 0, 0xc0000000, 0}) + "\nPOLYGONS 1 4\n" +
+                big({3, 0, 1, 2}) + "\nPOINT_DATA 3\nSCALARS rms float 1\nLOOKUP_TABLE default\n" +
+                big({0x3f000000, 0x3f800000, 0x40000000}) + "\n");
+}
+
+TEST(WriteVtk, ACloudIsOfVertices) {
+  TriangleMesh cloud = Tetrahedron();
+  cloud.faces.resize(3, 0);
+  EXPECT_THAT(WriteVtk(cloud), ::testing::HasSubstr("\nVERTICES 4 8\n"));
+}
+
 TEST(Writers, GiveTheSameBytesTwice) {
   const TriangleMesh mesh = WavySheet(10);
   EXPECT_EQ(WritePly(mesh), WritePly(mesh));
   EXPECT_EQ(WriteObj(mesh), WriteObj(mesh));
   EXPECT_EQ(WriteStl(mesh), WriteStl(mesh));
+  EXPECT_EQ(WriteVtk(mesh), WriteVtk(mesh));
 }
 
 }  // namespace
