@@ -9,8 +9,8 @@
 
 #include "common/base/status_macros.h"
 #include "common/jobs/blobs.h"
-#include "worker/tasks/align_task.h"
 #include "common/pairs/pair_meter.h"
+#include "worker/tasks/align_task.h"
 #include "worker/tasks/tile_output.h"
 
 namespace cohort {

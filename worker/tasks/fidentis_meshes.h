@@ -11,8 +11,8 @@
 #include "common/geometry/registration/scaling_icp.h"
 #include "common/jobs/placed_blob.h"
 #include "common/jobs/task.h"
-#include "common/store/blob_store.h"
 #include "common/pairs/pair_meter.h"
+#include "common/store/blob_store.h"
 
 namespace cohort {
 

@@ -118,8 +118,8 @@ absl::StatusOr<std::shared_ptr<const PackedMesh>> MeshCache::GetPlaced(
   const std::string key = "placed " + blob.Hex() + PlaceKey(T_frame_mesh, frame_center);
   return GetOrMake<PackedMesh>(key, [&]() -> absl::StatusOr<Made<PackedMesh>> {
     COHORT_ASSIGN_OR_RETURN(const auto mesh, Get(blob));
-    auto packed = std::make_shared<const PackedMesh>(
-        PlaceVertices(*mesh, T_frame_mesh, frame_center));
+    auto packed =
+        std::make_shared<const PackedMesh>(PlaceVertices(*mesh, T_frame_mesh, frame_center));
     return Made<PackedMesh>{.value = packed, .bytes = packed->ByteCount()};
   });
 }

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include "common/geometry/comparison/distance_codec.h"
 #include "common/geometry/mesh/boundary.h"
@@ -128,8 +128,8 @@ CompareOptions With(Correspondence correspondence, BoundaryPairs boundary) {
 INSTANTIATE_TEST_SUITE_P(All,
                          Distances,
                          ::testing::Values(With(Correspondence::kVertex, BoundaryPairs::kKeep),
-                                         With(Correspondence::kVertex, BoundaryPairs::kReject),
-                                         With(Correspondence::kSurface, BoundaryPairs::kKeep)));
+                                           With(Correspondence::kVertex, BoundaryPairs::kReject),
+                                           With(Correspondence::kSurface, BoundaryPairs::kKeep)));
 
 TEST(DistanceFinder, SignsAgreeWithBruteForce) {
   const Pair pair;
