@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <absl/strings/str_cat.h>
 #include <nlohmann/json.hpp>
 
 #include "common/report/decimal.h"
@@ -75,7 +76,7 @@ bool IsLeftOut(const std::string& key) {
 void AddParameters(const std::string& prefix, const nlohmann::json& json, HtmlTable& table) {
   for (const auto& [key, value] : json.items()) {
     if (prefix.empty() && IsLeftOut(key)) continue;
-    const std::string name = prefix.empty() ? key : prefix + "." + key;
+    const std::string name = prefix.empty() ? key : absl::StrCat(prefix, ".", key);
     if (value.is_object()) {
       AddParameters(name, value, table);
       continue;
