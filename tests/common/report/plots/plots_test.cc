@@ -1,6 +1,6 @@
 #include "common/report/plots/plots.h"
 
-#include <regex>
+#include <sstream>
 
 #include <absl/strings/str_cat.h>
 #include <gmock/gmock.h>
@@ -134,10 +134,11 @@ TEST(CurvesSvg, PutsPointsWhereTheAxesSay) {
 TEST(PairHistogramSvg, CountsEveryPairOnce) {
   const PairValues pairs{.by_person = true, .same = {1, 1.1, 1.2}, .different = {2, 2.1, 2.2, 3}};
   const std::string svg = PairHistogramSvg(pairs, {});
+  // Tooltips of bars: "name, low to high: n pairs".
   double sum = 0;
-  const std::regex bar(": ([0-9]+) pairs?</title>");
-  for (std::sregex_iterator it(svg.begin(), svg.end(), bar), end; it != end; ++it) {
-    sum += std::stod((*it)[1]);
+  for (size_t end = svg.find("</title>"); end != std::string::npos;
+       end = svg.find("</title>", end + 1)) {
+    sum += std::stod(svg.substr(svg.rfind(": ", end) + 2));
   }
   EXPECT_EQ(sum, 7);
   EXPECT_THAT(svg, AllOf(HasSubstr("same person: 3 pairs, median 1.10 mm"),
@@ -153,22 +154,32 @@ Dendrogram ThreeLeaves() {
   return {{{0, 1, 1, 2}, {2, 3, 3, 3}}, {0, 1, 2}};
 }
 
+// The x of the four corners of each branch.
+std::vector<std::vector<double>> Branches(const std::string& svg) {
+  const std::string open = "<polyline points=\"";
+  std::vector<std::vector<double>> branches;
+  for (size_t at = svg.find(open); at != std::string::npos; at = svg.find(open, at + 1)) {
+    const size_t begin = at + open.size();
+    std::istringstream points(svg.substr(begin, svg.find('"', begin) - begin));
+    std::vector<double> x;
+    for (std::string point; points >> point;) x.push_back(std::stod(point));
+    if (x.size() == 4) branches.push_back(x);
+  }
+  return branches;
+}
+
 TEST(DendrogramSvg, BranchesMeetAtTheirHeights) {
   const std::vector<std::string> labels = {"a", "b", "c"};
   const std::string svg = DendrogramSvg(ThreeLeaves(), labels, {}, "RMS distance (mm)");
-  // A branch: from a leaf or node to the height of the merge and back.
-  const std::regex branch(
-      "<polyline points=\"([0-9.]+),[0-9.]+ ([0-9.]+),[0-9.]+ [0-9.]+,[0-9.]+ ([0-9.]+),");
-  std::vector<std::smatch> found;
-  for (std::sregex_iterator it(svg.begin(), svg.end(), branch), end; it != end; ++it) {
-    found.push_back(*it);
-  }
-  ASSERT_EQ(found.size(), 2);
-  const double leaves = std::stod(found[0][1]);
-  const double first = leaves - std::stod(found[0][2]);
-  const double second = leaves - std::stod(found[1][2]);
+  const std::vector<std::vector<double>> branches = Branches(svg);
+  ASSERT_EQ(branches.size(), 2);
+  // x of a leaf or node, of the merge twice, and of the other leaf or node.
+  const double leaves = branches[0][0];
+  const double first = leaves - branches[0][1];
+  const double second = leaves - branches[1][1];
   EXPECT_NEAR(second / first, 3, 0.001);
-  EXPECT_NEAR(std::stod(found[1][3]), leaves - first, 0.01);  // The first merge is in the second.
+  EXPECT_NEAR(branches[1][0], leaves, 0.01);
+  EXPECT_NEAR(branches[1][3], leaves - first, 0.01);  // The first merge is in the second.
 }
 
 TEST(DendrogramSvg, ManyLeavesHaveNoNames) {
