@@ -6,10 +6,8 @@
 
 #include "client/files.h"
 #include "common/base/status_macros.h"
-#include "common/geometry/mesh/boundary.h"
-#include "common/geometry/registration/coarse_pose.h"
 #include "common/geometry/registration/mirror.h"
-#include "common/geometry/registration/undersampling.h"
+#include "common/pairs/align_mesh.h"
 #include "common/pairs/canonical_mesh.h"
 #include "common/pairs/distance_finder.h"
 #include "common/pairs/kept_distances.h"
@@ -28,23 +26,7 @@ absl::StatusOr<Alignment> AlignToReference(const JobFrame& frame, const Triangle
     return Alignment{};
   }
   COHORT_ASSIGN_OR_RETURN(const TriangleMesh reference, frame.LoadReference());
-  Similarity start;
-  if (spec.pose != PoseMode::kNone) {
-    COHORT_ASSIGN_OR_RETURN(const CoarsePose pose, FindCoarsePose(mesh, reference));
-    start = pose.T_target_source;
-  }
-  const bool to_surface = spec.icp.correspondence == Correspondence::kSurface;
-  const IcpMesh target = to_surface ? IcpMesh::WithSurface(reference, BoundaryVertices(reference))
-                                    : IcpMesh(reference.vertices, BoundaryVertices(reference));
-  PacketSearch search;
-  if (spec.undersampling.method == UndersamplingMethod::kNone) {
-    return AlignByIcp(IcpMesh(mesh.vertices, BoundaryVertices(mesh)), target, start, spec.icp,
-                      search);
-  }
-  COHORT_ASSIGN_OR_RETURN(const std::vector<int32_t> kept,
-                          SelectVertices(mesh, spec.undersampling));
-  const Eigen::Matrix3Xd vertices = mesh.vertices(Eigen::all, kept);
-  return AlignByIcp(IcpMesh(vertices), target, start, spec.icp, search);
+  return AlignMeshTo(mesh, reference, spec);
 }
 
 double OneValue(const Match& match, Symmetrization symmetrization) {

@@ -103,6 +103,14 @@ absl::StatusOr<std::string> Remeasurer::WhyNotKept() {
   if (sources_.empty()) {
     return std::string("it kept nothing of its distances (retention metrics)");
   }
+  for (const ImportedPairs& imported : frame_.Outputs().imported) {
+    if (imported.fields.empty() && !imported.tiles.empty()) {
+      return std::string("some of its pairs are of an earlier job that kept nothing of them");
+    }
+  }
+  if (frame_.Outputs().fields.empty() && !frame_.Outputs().tiles.empty()) {
+    return std::string("some of its pairs are kept without their distances");
+  }
   if (options_.measure.sign == DistanceSign::kSigned && Compare().sign == DistanceSign::kAbsolute) {
     return std::string("it kept distances without their signs");
   }

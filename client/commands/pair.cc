@@ -16,10 +16,8 @@
 #include "client/output/exit_codes.h"
 #include "client/pair_files.h"
 #include "common/base/status_macros.h"
-#include "common/geometry/mesh/boundary.h"
 #include "common/geometry/mesh/bounds.h"
-#include "common/geometry/registration/coarse_pose.h"
-#include "common/geometry/registration/scaling_icp.h"
+#include "common/pairs/align_mesh.h"
 #include "common/pairs/canonical_mesh.h"
 
 namespace cohort {
@@ -89,27 +87,6 @@ absl::StatusOr<TriangleMesh> ReadCanonical(const std::string& file, int position
   return std::move(canonical.mesh);
 }
 
-/// a onto b.
-absl::StatusOr<Alignment> AlignFiles(const TriangleMesh& a,
-                                     const TriangleMesh& b,
-                                     const JobSpec& spec) {
-  Similarity start;
-  if (spec.pose != PoseMode::kNone) {
-    COHORT_ASSIGN_OR_RETURN(const CoarsePose pose, FindCoarsePose(a, b));
-    start = pose.T_target_source;
-  }
-  const IcpMesh source(a.vertices, BoundaryVertices(a));
-  const bool to_surface = spec.icp.correspondence == Correspondence::kSurface;
-  if (to_surface && b.IsPointCloud()) {
-    return absl::FailedPreconditionError(
-        "b is a point cloud: --correspondence surface needs faces");
-  }
-  const IcpMesh target = to_surface ? IcpMesh::WithSurface(b, BoundaryVertices(b))
-                                    : IcpMesh(b.vertices, BoundaryVertices(b));
-  PacketSearch search;
-  return AlignByIcp(source, target, start, spec.icp, search);
-}
-
 absl::StatusOr<int> RunCompare(const PairFlags& flags) {
   COHORT_ASSIGN_OR_RETURN(const JobSpec spec, flags.spec.ToSpec());
   if (flags.spec.UsesLandmarks()) {
@@ -120,7 +97,7 @@ absl::StatusOr<int> RunCompare(const PairFlags& flags) {
   COHORT_ASSIGN_OR_RETURN(TriangleMesh b, ReadCanonical(flags.b, spec.position_bits));
   Alignment alignment;
   if (!flags.keep_pose) {
-    COHORT_ASSIGN_OR_RETURN(alignment, AlignFiles(a, b, spec));
+    COHORT_ASSIGN_OR_RETURN(alignment, AlignMeshTo(a, b, spec));
   }
   const Eigen::Vector3d center = CentroidOf(b.vertices);
   const PairMeshOptions options = {.compare = spec.compare, .sign = flags.Sign()};

@@ -53,6 +53,11 @@ absl::StatusOr<Request> MakeRequest(const RemeasureFlags& flags, const JobFrame&
   if (!flags.metric.empty()) {
     COHORT_ASSIGN_OR_RETURN(request.options.measure, ParseMeasure(flags.metric));
   }
+  if (flags.lower >= flags.upper) {
+    return absl::InvalidArgumentError(absl::StrCat("--lower ", flags.lower, " --upper ",
+                                                   flags.upper,
+                                                   ": the lower share must be below the upper"));
+  }
   MeasureSpec& measure = request.options.measure;
   measure.lower_share = flags.lower;
   measure.upper_share = flags.upper;

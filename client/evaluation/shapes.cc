@@ -8,10 +8,8 @@
 
 #include "common/base/status_macros.h"
 #include "common/geometry/comparison/metrics.h"
-#include "common/geometry/mesh/boundary.h"
 #include "common/geometry/nearest/packet_search.h"
-#include "common/geometry/registration/coarse_pose.h"
-#include "common/geometry/registration/scaling_icp.h"
+#include "common/pairs/align_mesh.h"
 #include "common/pairs/pair_mesh.h"
 #include "common/store/mesh_blob.h"
 
@@ -64,12 +62,7 @@ double ShapeDistance(const TriangleMesh& a, const TriangleMesh& b) {
 }
 
 absl::StatusOr<TriangleMesh> MovedOnto(const TriangleMesh& a, const TriangleMesh& b) {
-  COHORT_ASSIGN_OR_RETURN(const CoarsePose pose, FindCoarsePose(a, b));
-  PacketSearch search;
-  COHORT_ASSIGN_OR_RETURN(
-      const Alignment alignment,
-      AlignByIcp(IcpMesh(a.vertices, BoundaryVertices(a)), IcpMesh(b.vertices, BoundaryVertices(b)),
-                 pose.T_target_source, {}, search));
+  COHORT_ASSIGN_OR_RETURN(const Alignment alignment, AlignMeshTo(a, b, JobSpec{}));
   return TriangleMesh{.vertices = alignment.T_target_source.Apply(a.vertices), .faces = a.faces};
 }
 

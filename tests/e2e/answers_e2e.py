@@ -126,6 +126,15 @@ class Answers(ProgramTest):
         self.assertAlmostEqual(there, matrix[0][1], places=5)
         self.assertAlmostEqual(back, matrix[1][0], places=5)
 
+    def test_the_options_of_the_alignment_count(self):
+        files = sorted(self.demo.glob("*.ply"))[:2]
+        values = {}
+        for option in ((), ("--undersample", "random:0.3"), ("--scale", "off"), ("--keep-pose",)):
+            numbers = json.loads(self.call("compare", *files, "--json", *option).stdout)
+            values[option] = numbers["directions"][0]["metrics"]["rms"]
+        self.assertEqual(len(set(values.values())), len(values), values)
+        self.assertEqual(max(values, key=values.get), ("--keep-pose",))
+
     def test_an_unknown_face_finds_its_person(self):
         files = sorted(self.demo.glob("*.ply"))
         gallery = self.dir / "gallery"
@@ -191,6 +200,8 @@ class Answers(ProgramTest):
         for arguments, code, words in (
                 (["remeasure", job, "--out", self.dir / "x", "--metric", "p200"], 2, "p200"),
                 (["remeasure", job, "--out", self.dir / "x", "--metric", "rmse"], 2, "rmse"),
+                (["remeasure", job, "--out", self.dir / "x", "--lower", 0.9, "--upper", 0.1], 2,
+                 "--lower 0.9"),
                 (["remeasure", self.demo, "--out", self.dir / "x"], 1, "--keep-data"),
                 (["pair", job, "nobody.ply", "person01_a.ply"], 7, "nobody.ply"),
                 (["identify", job, self.demo / "labels.csv"], 2, "labels.csv"),
