@@ -8,6 +8,7 @@
 
 #include "common/base/error_reason.h"
 #include "common/base/status_macros.h"
+#include "worker/retry_pause.h"
 
 namespace cohort {
 namespace {
@@ -17,8 +18,6 @@ using std::chrono::steady_clock;
 constexpr double kIdleWaitSeconds = 10;
 constexpr double kBusyWaitSeconds = 1;  ///< Leases under way must be renewed in time.
 constexpr double kShortestPauseSeconds = 0.01;
-constexpr double kFirstRetrySeconds = 0.2;
-constexpr double kLastRetrySeconds = 10;
 
 steady_clock::time_point In(double seconds) {
   return steady_clock::now() + std::chrono::milliseconds(static_cast<int64_t>(seconds * 1000));
@@ -45,7 +44,7 @@ absl::Status WorkerLoop::Run(const std::stop_token& stop) {
     link_.CancelSynchronize();
     slot_freed_.NotifyAll();
   });
-  double retry_seconds = kFirstRetrySeconds;
+  RetryPause retry;
   while (!stop.stop_requested()) {
     absl::Status status = SynchronizeOnce(stop);
     double pause_seconds = next_sync_seconds_;
@@ -53,15 +52,14 @@ absl::Status WorkerLoop::Run(const std::stop_token& stop) {
       break;
     }
     if (status.ok()) {
-      retry_seconds = kFirstRetrySeconds;
+      retry.Reset();
     } else if (status.code() == absl::StatusCode::kFailedPrecondition ||
                status.code() == absl::StatusCode::kAborted) {
       return status;
     } else {
+      pause_seconds = retry.Next(lease_seconds_);
       spdlog::warn("event=sync_failed worker={} retry_seconds={} error=\"{}\"",
-                   options_.worker.value, retry_seconds, std::string(status.message()));
-      pause_seconds = retry_seconds;
-      retry_seconds = std::min(2 * retry_seconds, kLastRetrySeconds);
+                   options_.worker.value, pause_seconds, std::string(status.message()));
     }
     MutexLock lock(mutex_);
     Reap();
@@ -100,6 +98,7 @@ WorkerReport WorkerLoop::MakeReport() {
 absl::Status WorkerLoop::SynchronizeOnce(const std::stop_token& stop) {
   COHORT_ASSIGN_OR_RETURN(const WorkerOrders orders, link_.Synchronize(MakeReport()));
   next_sync_seconds_ = std::max(kShortestPauseSeconds, orders.next_sync_seconds);
+  lease_seconds_ = orders.lease_seconds;
   if (orders.is_wedged) {
     return absl::AbortedError("a task goes on after the server has told it to stop");
   }
@@ -149,7 +148,7 @@ void WorkerLoop::RunSlot(const GrantedTask& granted,
 void WorkerLoop::Report(const Lease& lease,
                         absl::StatusOr<TaskResult> result,
                         const std::stop_token& stop) {
-  double retry_seconds = kFirstRetrySeconds;
+  RetryPause retry;
   while (true) {
     absl::Status said;
     if (result.ok()) {
@@ -182,8 +181,7 @@ void WorkerLoop::Report(const Lease& lease,
       continue;
     }
     MutexLock lock(mutex_);
-    slot_freed_.WaitUntil(mutex_, In(retry_seconds));
-    retry_seconds = std::min(2 * retry_seconds, kLastRetrySeconds);
+    slot_freed_.WaitUntil(mutex_, In(retry.Next(lease_seconds_)));
   }
 }
 

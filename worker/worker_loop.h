@@ -88,6 +88,7 @@ class WorkerLoop {
   std::map<Lease, Running> running_ ABSL_GUARDED_BY(mutex_);
   WorkerFigures figures_ ABSL_GUARDED_BY(mutex_);  ///< Its totals.
   bool reaped_ ABSL_GUARDED_BY(mutex_) = false;    ///< A task has ended since the last report.
+  std::atomic<double> lease_seconds_ = 60;         ///< As the server last said.
   double next_sync_seconds_ = 1;                   ///< Used by Run only.
 };
 

@@ -4,6 +4,7 @@ import json
 import signal
 import time
 import unittest
+from pathlib import Path
 
 from cohort_e2e import ProgramTest, cohort, read_matrix
 
@@ -45,7 +46,7 @@ class Service(ProgramTest):
 
     def begun(self):
         """Tasks that all workers have begun."""
-        return sum(open(child.log).read().count("event=task_begun")
+        return sum(Path(child.log).read_text().count("event=task_begun")
                    for child in self.children if hasattr(child, "log"))
 
     def results(self, job):
@@ -122,7 +123,7 @@ class Service(ProgramTest):
         time.sleep(0.5)
         self.server, _ = self.start_server("unix:" + str(self.dir / "socket"))
         shown = self.wait(job, "succeeded")
-        self.assertEqual(self.begun(), shown["tasks_total"])
+        self.assertEqual(self.begun(), shown["tasks_total"], Path(worker.log).read_text())
         self.assertIsNone(worker.poll())
 
     def test_workers_and_what_they_do_can_be_seen(self):
