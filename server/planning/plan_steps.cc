@@ -29,15 +29,14 @@ void AddMeanShapeRounds(StepList& steps, int rounds) {
   steps.Add(MakeAlignStage("align " + std::to_string(rounds + 1), Displacement::kNotWanted));
 }
 
-/// All pairs, and what makes the summary; the quick matrix first, if it is wanted.
-void AddComparison(StepList& steps, const JobSpec& spec) {
+/// What lies around the reference, then all pairs. One task makes the summary: it runs beside the
+/// pairs, so that no worker waits for it, as does the quick matrix's before them.
+void AddComparison(StepList& steps, const JobSpec& spec, LastShape last_shape) {
+  steps.Add(MakeVariationStage(spec.preview ? Displacement::kWanted : Displacement::kNotWanted));
   if (spec.preview) {
-    steps.Add(MakeVariationStage(Displacement::kWanted));
     steps.Add(MakePreviewStage());
-    steps.Add(MakeCompareStage());
-  } else {
-    steps.Add(MakeCompareStage(), MakeVariationStage(Displacement::kNotWanted));
   }
+  steps.Add(MakeSummarizeStage(last_shape), MakeCompareStage());
 }
 
 /// New meshes are brought into the frame of a reference job and compared with all; nothing else.
@@ -50,10 +49,9 @@ std::vector<Step> AddingSteps(const JobSpec& spec) {
     }
     steps.Add(MakeAlignStage("align", Displacement::kNotWanted));
   }
-  AddComparison(steps, spec);
-  steps.Add(MakeSummarizeStage(spec.method == Method::kAverage
-                                   ? LastShape::kReference
-                                   : LastShape::kReferencePlusDisplacement));
+  AddComparison(steps, spec,
+                spec.method == Method::kAverage ? LastShape::kReference
+                                                : LastShape::kReferencePlusDisplacement);
   return std::move(steps).Take();
 }
 
@@ -100,13 +98,11 @@ std::vector<Step> MakeSteps(const JobSpec& spec) {
   switch (spec.method) {
     case Method::kAverage:
       AddMeanShapeRounds(steps, spec.rounds);
-      AddComparison(steps, spec);
-      steps.Add(MakeSummarizeStage(LastShape::kReference));
+      AddComparison(steps, spec, LastShape::kReference);
       break;
     case Method::kOne:
       steps.Add(MakeAlignStage("align", Displacement::kNotWanted));
-      AddComparison(steps, spec);
-      steps.Add(MakeSummarizeStage(LastShape::kReferencePlusDisplacement));
+      AddComparison(steps, spec, LastShape::kReferencePlusDisplacement);
       break;
     case Method::kEach:
       // The alignments to the base, which the variation needs, come out of the comparison.
@@ -115,8 +111,7 @@ std::vector<Step> MakeSteps(const JobSpec& spec) {
       steps.Add(MakeSummarizeStage(LastShape::kReferencePlusDisplacement));
       break;
     case Method::kNone:
-      AddComparison(steps, spec);
-      steps.Add(MakeSummarizeStage(LastShape::kReferencePlusDisplacement));
+      AddComparison(steps, spec, LastShape::kReferencePlusDisplacement);
       break;
   }
   return std::move(steps).Take();

@@ -3,7 +3,7 @@
 # Markdown table. Everything stays in build/bench/. What the table means: tests/bench/README.md.
 #   usage: tests/bench/run.sh [--quick] [--check] [--readme] [--no-install] [FLAG...]
 #     --quick       under 50 s after the build: fewer rounds and meshes, not the service
-#     --check       exit status 1 if a row falls short of issue 3; names it
+#     --check       exit status 1 if a row falls short of issues 3 and 4; names it
 #     --readme      writes the table into tests/bench/README.md
 #     --no-install  goes on with the rivals that are installed
 #     FLAG          Google Benchmark's, e.g. --benchmark_filter=nearest --benchmark_out=FILE.json

@@ -131,7 +131,7 @@ TEST_F(EstimateTest, TellsTheTasksAndPairsThatTheJobThenHas) {
   }
   EXPECT_THAT(names,
               ::testing::ElementsAre("ingest", "pose", "align 1", "average 1", "align 2",
-                                     "average 2", "align 3", "compare", "variation", "summarize"));
+                                     "average 2", "align 3", "variation", "summarize", "compare"));
   const Job job = coordinator_->CreateJob("set", Spec(), "").value();
   EXPECT_EQ(TasksOf(estimate), job.progress.tasks_total);
   EXPECT_DOUBLE_EQ(estimate.CoreSeconds(), job.progress.cost_total);

@@ -125,7 +125,7 @@ TEST(TaskFinished, RefusesRejectionsThatAreNotTheTasks) {
   EXPECT_THAT(plan->TaskFinished(2, job.ResultOf(aligns[0])), IsOk());
   EXPECT_THAT(plan->TaskFinished(3, job.ResultOf(aligns[1])), IsOk());
   EXPECT_THAT(plan->TaskFinished(4, result),
-              StatusIs(kInvalid, "task 4 (compare): mesh 1 is not its to reject"));
+              StatusIs(kInvalid, "task 4 (variation): mesh 1 is not its to reject"));
 }
 
 // ---- Meshes that drop out ----
@@ -162,11 +162,13 @@ TEST(Rejections, DropAnEmptyBatchAndCountTheIndexInTheNextOne) {
   EXPECT_EQ(plan->Meshes()[0].rejection, "no pose");
   EXPECT_EQ(plan->Meshes()[2].rejection, "collapsed");
   EXPECT_THAT(job.RunReady(*plan),
-              ElementsAre("14 compare: b x b | from align 2#12",
-                          "15 compare: b x d | from align 2#12 align 2#13",
-                          "16 compare: d x d | from align 2#13",
-                          "17 variation: b | to average 1#11 | from align 2#12",
-                          "18 variation: d | to average 1#11 | from align 2#13"));
+              ElementsAre("14 variation: b | to average 1#11 | from align 2#12",
+                          "15 variation: d | to average 1#11 | from align 2#13"));
+  EXPECT_THAT(job.RunReady(*plan),
+              ElementsAre("16 summarize: | to average 1#11 | of variation#14 variation#15",
+                          "17 compare: b x b | from align 2#12",
+                          "18 compare: b x d | from align 2#12 align 2#13",
+                          "19 compare: d x d | from align 2#13"));
 }
 
 TEST(Rejections, LeaveABatchItsIdentity) {
@@ -190,7 +192,8 @@ TEST(Rejections, AreFineWithoutABlobWhenNothingIsLeftOfABatch) {
   EXPECT_THAT(plan->TaskFinished(4, nothing), IsOk());
   EXPECT_THAT(plan->TaskFinished(3, job.ResultOf(tasks[0])), IsOk());
   EXPECT_THAT(plan->TaskFinished(5, job.ResultOf(tasks[2])), IsOk());
-  EXPECT_EQ(plan->TakeReadyTasks().size(), 3u + 2u);
+  EXPECT_EQ(job.RunReady(*plan).size(), 2u) << "variation";
+  EXPECT_EQ(plan->TakeReadyTasks().size(), 1u + 3u) << "summarize and compare";
 }
 
 TEST(Rejections, FailTheJobWhenFewerThanTwoMeshesAreLeft) {

@@ -185,7 +185,7 @@ TEST(PlanWithKnownMeshes, SkipsTheirIngestButKeepsTheNumbers) {
   const auto plan = job.Plan(SpecOf(Method::kNone), {0, 2});
   EXPECT_EQ(plan->CurrentProgress().tasks_total, 1 + 6 + 3 + 1);
   EXPECT_THAT(job.RunReady(*plan), ElementsAre("1 ingest: b raw"));
-  EXPECT_EQ(job.RunReady(*plan)[0], "3 compare: a x a");
+  EXPECT_EQ(job.RunReady(*plan)[0], "3 variation: a | to a");
 }
 
 TEST(PlanWithKnownMeshes, BeginsAfterIngestWhenAllAreKnown) {
@@ -235,19 +235,19 @@ TEST(JobPlan, ShowsTheStageOfTheEarliestUnfinishedTask) {
   const auto plan = job.Plan(SpecOf(Method::kNone));
   EXPECT_EQ(plan->CurrentProgress().stage, "ingest");
   (void)job.RunReady(*plan);
+  EXPECT_EQ(plan->CurrentProgress().stage, "variation");
+  (void)job.RunReady(*plan);
   const std::vector<Task> tasks = plan->TakeReadyTasks();
-  EXPECT_EQ(plan->CurrentProgress().stage, "compare");
+  EXPECT_EQ(plan->CurrentProgress().stage, "summarize");
   for (const Task& task : tasks) {
-    if (task.kind == TaskKind::kCompare) {
+    if (task.kind == TaskKind::kSummarize) {
       ASSERT_THAT(plan->TaskFinished(task.number, job.ResultOf(task)), IsOk());
     }
   }
-  EXPECT_EQ(plan->CurrentProgress().stage, "variation");
-  (void)job.RunReady(*plan);
+  EXPECT_EQ(plan->CurrentProgress().stage, "compare");
   for (const Task& task : tasks) {
     ASSERT_THAT(plan->TaskFinished(task.number, job.ResultOf(task)), IsOk());
   }
-  (void)job.RunReady(*plan);
   EXPECT_TRUE(plan->Done());
   EXPECT_EQ(plan->CurrentProgress().stage, "");
 }

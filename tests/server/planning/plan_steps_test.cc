@@ -18,50 +18,49 @@ using ::testing::IsEmpty;
 TEST(PlanToAverage, IsThisForThreeMeshesAndTwoRounds) {
   FakeJob job(3);
   const auto plan = job.Plan(SpecOf(Method::kAverage, PoseMode::kPrincipalAxes, 2));
-  EXPECT_THAT(job.RunAll(*plan),
-              ElementsAre("0 ingest: a raw",                                                 //
-                          "1 ingest: b raw",                                                 //
-                          "2 ingest: c raw",                                                 //
-                          "--",                                                              //
-                          "3 pose: a | to a | counts index",                                 //
-                          "4 pose: b | to a",                                                //
-                          "5 pose: c | to a",                                                //
-                          "--",                                                              //
-                          "6 align 1: a | to a | from pose#3 | displacement, counts index",  //
-                          "7 align 1: b | to a | from pose#4 | displacement",                //
-                          "8 align 1: c | to a | from pose#5 | displacement",                //
-                          "--",                                                              //
-                          "9 average 1: | to a | of align 1#6+ align 1#7+ align 1#8+",       //
-                          "--",                                                              //
-                          "10 align 2: a | to average 1#9 | from align 1#6 | displacement, "
-                          "counts index",                                                    //
-                          "11 align 2: b | to average 1#9 | from align 1#7 | displacement",  //
-                          "12 align 2: c | to average 1#9 | from align 1#8 | displacement",  //
-                          "--",                                                              //
-                          "13 average 2: | to average 1#9 | of align 2#10+ align 2#11+ "
-                          "align 2#12+",                                                       //
-                          "--",                                                                //
-                          "14 align 3: a | to average 2#13 | from align 2#10 | counts index",  //
-                          "15 align 3: b | to average 2#13 | from align 2#11",                 //
-                          "16 align 3: c | to average 2#13 | from align 2#12",                 //
-                          "--",                                                                //
-                          "17 compare: a x a | from align 3#14",                               //
-                          "18 compare: a x b | from align 3#14 align 3#15",                    //
-                          "19 compare: a x c | from align 3#14 align 3#16",                    //
-                          "20 compare: b x b | from align 3#15",                               //
-                          "21 compare: b x c | from align 3#15 align 3#16",                    //
-                          "22 compare: c x c | from align 3#16",                               //
-                          "23 variation: a | to average 2#13 | from align 3#14",               //
-                          "24 variation: b | to average 2#13 | from align 3#15",               //
-                          "25 variation: c | to average 2#13 | from align 3#16",               //
-                          "--",                                                                //
-                          "26 summarize: | to average 2#13 | of variation#23 variation#24 "
-                          "variation#25"));
+  EXPECT_THAT(
+      job.RunAll(*plan),
+      ElementsAre(
+          "0 ingest: a raw",                                                               //
+          "1 ingest: b raw",                                                               //
+          "2 ingest: c raw",                                                               //
+          "--",                                                                            //
+          "3 pose: a | to a | counts index",                                               //
+          "4 pose: b | to a",                                                              //
+          "5 pose: c | to a",                                                              //
+          "--",                                                                            //
+          "6 align 1: a | to a | from pose#3 | displacement, counts index",                //
+          "7 align 1: b | to a | from pose#4 | displacement",                              //
+          "8 align 1: c | to a | from pose#5 | displacement",                              //
+          "--",                                                                            //
+          "9 average 1: | to a | of align 1#6+ align 1#7+ align 1#8+",                     //
+          "--",                                                                            //
+          "10 align 2: a | to average 1#9 | from align 1#6 | displacement, counts index",  //
+          "11 align 2: b | to average 1#9 | from align 1#7 | displacement",                //
+          "12 align 2: c | to average 1#9 | from align 1#8 | displacement",                //
+          "--",                                                                            //
+          "13 average 2: | to average 1#9 | of align 2#10+ align 2#11+ align 2#12+",       //
+          "--",                                                                            //
+          "14 align 3: a | to average 2#13 | from align 2#10 | counts index",              //
+          "15 align 3: b | to average 2#13 | from align 2#11",                             //
+          "16 align 3: c | to average 2#13 | from align 2#12",                             //
+          "--",                                                                            //
+          "17 variation: a | to average 2#13 | from align 3#14",                           //
+          "18 variation: b | to average 2#13 | from align 3#15",                           //
+          "19 variation: c | to average 2#13 | from align 3#16",                           //
+          "--",                                                                            //
+          "20 summarize: | to average 2#13 | of variation#17 variation#18 variation#19",   //
+          "21 compare: a x a | from align 3#14",                                           //
+          "22 compare: a x b | from align 3#14 align 3#15",                                //
+          "23 compare: a x c | from align 3#14 align 3#16",                                //
+          "24 compare: b x b | from align 3#15",                                           //
+          "25 compare: b x c | from align 3#15 align 3#16",                                //
+          "26 compare: c x c | from align 3#16"));
   EXPECT_EQ(job.NamesOf(plan->Outputs().tiles),
-            "compare#17 compare#18 compare#19 compare#20 compare#21 compare#22");
+            "compare#21 compare#22 compare#23 compare#24 compare#25 compare#26");
   EXPECT_EQ(job.NamesOf(plan->Outputs().alignments), "align 3#14 align 3#15 align 3#16");
-  EXPECT_EQ(job.NameOf(plan->Outputs().summary), "summarize#26");
-  EXPECT_EQ(job.NameOf(plan->Outputs().mean_shape), "summarize#26+");
+  EXPECT_EQ(job.NameOf(plan->Outputs().summary), "summarize#20");
+  EXPECT_EQ(job.NameOf(plan->Outputs().mean_shape), "summarize#20+");
 }
 
 TEST(PlanToAverage, StartsFromIdentityWithoutAPose) {
@@ -79,13 +78,13 @@ TEST(PlanToAverage, StartsFromIdentityWithoutAPose) {
                           "5 align 2: a | to average 1#4 | from align 1#2 | counts index",  //
                           "6 align 2: b | to average 1#4 | from align 1#3",                 //
                           "--",                                                             //
-                          "7 compare: a x a | from align 2#5",                              //
-                          "8 compare: a x b | from align 2#5 align 2#6",                    //
-                          "9 compare: b x b | from align 2#6",                              //
-                          "10 variation: a | to average 1#4 | from align 2#5",              //
-                          "11 variation: b | to average 1#4 | from align 2#6",              //
+                          "7 variation: a | to average 1#4 | from align 2#5",               //
+                          "8 variation: b | to average 1#4 | from align 2#6",               //
                           "--",                                                             //
-                          "12 summarize: | to average 1#4 | of variation#10 variation#11"));
+                          "9 summarize: | to average 1#4 | of variation#7 variation#8",     //
+                          "10 compare: a x a | from align 2#5",                             //
+                          "11 compare: a x b | from align 2#5 align 2#6",                   //
+                          "12 compare: b x b | from align 2#6"));
 }
 
 TEST(PlanToOne, IsThisForThreeMeshesAndTheSecondAsBase) {
@@ -93,31 +92,32 @@ TEST(PlanToOne, IsThisForThreeMeshesAndTheSecondAsBase) {
   JobSpec spec = SpecOf(Method::kOne);
   spec.base = "b.ply";
   const auto plan = job.Plan(spec);
-  EXPECT_THAT(job.RunAll(*plan),
-              ElementsAre("0 ingest: a raw",                                 //
-                          "1 ingest: b raw",                                 //
-                          "2 ingest: c raw",                                 //
-                          "--",                                              //
-                          "3 pose: a | to b | counts index",                 //
-                          "4 pose: b | to b",                                //
-                          "5 pose: c | to b",                                //
-                          "--",                                              //
-                          "6 align: a | to b | from pose#3 | counts index",  //
-                          "7 align: b | to b | from pose#4",                 //
-                          "8 align: c | to b | from pose#5",                 //
-                          "--",                                              //
-                          "9 compare: a x a | from align#6",                 //
-                          "10 compare: a x b | from align#6 align#7",        //
-                          "11 compare: a x c | from align#6 align#8",        //
-                          "12 compare: b x b | from align#7",                //
-                          "13 compare: b x c | from align#7 align#8",        //
-                          "14 compare: c x c | from align#8",                //
-                          "15 variation: a | to b | from align#6",           //
-                          "16 variation: b | to b | from align#7",           //
-                          "17 variation: c | to b | from align#8",           //
-                          "--",                                              //
-                          "18 summarize: | to b | of variation#15 variation#16 variation#17 "
-                          "| moves reference"));
+  EXPECT_THAT(
+      job.RunAll(*plan),
+      ElementsAre(
+          "0 ingest: a raw",                                                                    //
+          "1 ingest: b raw",                                                                    //
+          "2 ingest: c raw",                                                                    //
+          "--",                                                                                 //
+          "3 pose: a | to b | counts index",                                                    //
+          "4 pose: b | to b",                                                                   //
+          "5 pose: c | to b",                                                                   //
+          "--",                                                                                 //
+          "6 align: a | to b | from pose#3 | counts index",                                     //
+          "7 align: b | to b | from pose#4",                                                    //
+          "8 align: c | to b | from pose#5",                                                    //
+          "--",                                                                                 //
+          "9 variation: a | to b | from align#6",                                               //
+          "10 variation: b | to b | from align#7",                                              //
+          "11 variation: c | to b | from align#8",                                              //
+          "--",                                                                                 //
+          "12 summarize: | to b | of variation#9 variation#10 variation#11 | moves reference",  //
+          "13 compare: a x a | from align#6",                                                   //
+          "14 compare: a x b | from align#6 align#7",                                           //
+          "15 compare: a x c | from align#6 align#8",                                           //
+          "16 compare: b x b | from align#7",                                                   //
+          "17 compare: b x c | from align#7 align#8",                                           //
+          "18 compare: c x c | from align#8"));
   EXPECT_EQ(job.NamesOf(plan->Outputs().alignments), "align#6 align#7 align#8");
 }
 
@@ -168,23 +168,24 @@ TEST(PlanToEach, StartsFromIdentityWithoutAPose) {
 TEST(PlanToNone, IsThisForThreeMeshes) {
   FakeJob job(3);
   const auto plan = job.Plan(SpecOf(Method::kNone));
-  EXPECT_THAT(job.RunAll(*plan),
-              ElementsAre("0 ingest: a raw",         //
-                          "1 ingest: b raw",         //
-                          "2 ingest: c raw",         //
-                          "--",                      //
-                          "3 compare: a x a",        //
-                          "4 compare: a x b",        //
-                          "5 compare: a x c",        //
-                          "6 compare: b x b",        //
-                          "7 compare: b x c",        //
-                          "8 compare: c x c",        //
-                          "9 variation: a | to a",   //
-                          "10 variation: b | to a",  //
-                          "11 variation: c | to a",  //
-                          "--",                      //
-                          "12 summarize: | to a | of variation#9 variation#10 variation#11 "
-                          "| moves reference"));
+  EXPECT_THAT(
+      job.RunAll(*plan),
+      ElementsAre(
+          "0 ingest: a raw",                                                                 //
+          "1 ingest: b raw",                                                                 //
+          "2 ingest: c raw",                                                                 //
+          "--",                                                                              //
+          "3 variation: a | to a",                                                           //
+          "4 variation: b | to a",                                                           //
+          "5 variation: c | to a",                                                           //
+          "--",                                                                              //
+          "6 summarize: | to a | of variation#3 variation#4 variation#5 | moves reference",  //
+          "7 compare: a x a",                                                                //
+          "8 compare: a x b",                                                                //
+          "9 compare: a x c",                                                                //
+          "10 compare: b x b",                                                               //
+          "11 compare: b x c",                                                               //
+          "12 compare: c x c"));
   EXPECT_THAT(plan->Outputs().alignments, IsEmpty());
 }
 
@@ -241,14 +242,14 @@ TEST(PlanWithSymmetricCopies, PutsThemInThePlaceOfTheMeshes) {
                           "6 align: a* | to a* | from pose#4 | counts index",  //
                           "7 align: b* | to a* | from pose#5",                 //
                           "--",                                                //
-                          "8 compare: a* x a* | from align#6",                 //
-                          "9 compare: a* x b* | from align#6 align#7",         //
-                          "10 compare: b* x b* | from align#7",                //
-                          "11 variation: a* | to a* | from align#6",           //
-                          "12 variation: b* | to a* | from align#7",           //
+                          "8 variation: a* | to a* | from align#6",            //
+                          "9 variation: b* | to a* | from align#7",            //
                           "--",                                                //
-                          "13 summarize: | to a* | of variation#11 variation#12 "
-                          "| moves reference"));
+                          "10 summarize: | to a* | of variation#8 variation#9 "
+                          "| moves reference",                           //
+                          "11 compare: a* x a* | from align#6",          //
+                          "12 compare: a* x b* | from align#6 align#7",  //
+                          "13 compare: b* x b* | from align#7"));
   EXPECT_EQ(plan->Meshes()[1].copy->asymmetry, 0.5);
   EXPECT_EQ(job.NameOf(plan->Meshes()[1].ingested->blob), "b") << "the mesh stays what it is";
 }
