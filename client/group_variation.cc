@@ -86,9 +86,7 @@ GroupVariation VariationOf(const CorrespondedSet& set,
       mean += step;
     }
     const auto count = static_cast<double>(members.size());
-    for (const Metric metric : kAllMetrics) {
-      group.metrics[at][static_cast<size_t>(metric)] = ComputeMetric(metric, distances);
-    }
+    group.metrics[at] = MetricsOfDistances(distances);
     group.signed_mean[at] = sum / count;
     group.deviation[at] = members.size() < 2
                               ? 0

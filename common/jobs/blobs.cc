@@ -1,5 +1,6 @@
 #include "common/jobs/blobs.h"
 
+#include <algorithm>
 #include <span>
 #include <utility>
 
@@ -16,7 +17,7 @@ namespace {
 constexpr std::string_view kAlignmentMagic = "COHALGN2";
 constexpr std::string_view kDisplacementMagic = "COHDISP1";
 constexpr std::string_view kTileMagic = "COHTILE1";
-constexpr std::string_view kVariationMagic = "COHVARI1";
+constexpr std::string_view kVariationMagic = "COHVARI2";
 constexpr std::string_view kSummaryMagic = "COHSUMM1";
 constexpr std::string_view kBaseMagic = "COHBASE1";
 
@@ -216,6 +217,7 @@ std::string EncodeVariationBlob(const VariationPart& part) {
   writer.PutArray<int32_t>(part.meshes);
   writer.PutArray<float>({part.distances.data(), static_cast<size_t>(part.distances.size())});
   writer.Put<int64_t>(part.displacement.mesh_count);
+  writer.Put<uint64_t>(static_cast<uint64_t>(part.displacement.sum.cols()));
   writer.PutArray<double>(Coefficients(part.displacement.sum));
   return std::move(writer).Take();
 }
@@ -226,15 +228,21 @@ absl::StatusOr<VariationPart> DecodeVariationBlob(std::string_view bytes) {
   VariationPart part;
   uint64_t n = 0;
   uint64_t meshes = 0;
-  COHORT_RETURN_IF_ERROR(blob.GetCount("vertices", kPointBytes, n));
+  COHORT_RETURN_IF_ERROR(blob.Get("vertices", n));
   COHORT_RETURN_IF_ERROR(blob.Get("meshes", meshes));
   COHORT_RETURN_IF_ERROR(blob.GetIndices(meshes, part.meshes));
-  COHORT_RETURN_IF_ERROR(blob.CheckRoom("meshes", meshes, n * sizeof(float)));
+  COHORT_RETURN_IF_ERROR(
+      blob.CheckRoom("vertices", n, std::max(meshes, uint64_t{1}) * sizeof(float)));
   part.distances.resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(meshes));
   COHORT_RETURN_IF_ERROR(blob.GetArray<float>(
       "distances", {part.distances.data(), static_cast<size_t>(part.distances.size())}));
   COHORT_RETURN_IF_ERROR(GetMeshCount(blob, part.displacement.mesh_count));
-  COHORT_RETURN_IF_ERROR(GetPoints(blob, n, part.displacement.sum));
+  uint64_t points = 0;
+  COHORT_RETURN_IF_ERROR(blob.GetCount("points", kPointBytes, points));
+  if (points != 0 && points != n) {
+    return blob.Damaged(absl::StrCat("has ", points, " displacements of ", n, " vertices"));
+  }
+  COHORT_RETURN_IF_ERROR(GetPoints(blob, points, part.displacement.sum));
   COHORT_RETURN_IF_ERROR(blob.Finish());
   return part;
 }

@@ -66,12 +66,12 @@ struct BaseChoice {
 
 /// Distances of each reference vertex to some aligned meshes.
 struct VariationPart {
-  std::vector<int32_t> meshes;  ///< Job indices.
-  Eigen::MatrixXf distances;    ///< n x meshes.
-  DisplacementSum displacement;
+  std::vector<int32_t> meshes;   ///< Job indices.
+  Eigen::MatrixXf distances;     ///< n x meshes.
+  DisplacementSum displacement;  ///< Its sum: of n vertices or of none.
 };
-/// "COHVARI1", uint64 n, uint64 meshes, int32 indices, float32 distances (mesh by mesh),
-/// int64 mesh_count, 3 n float64.
+/// "COHVARI2", uint64 n, uint64 meshes, int32 indices, float32 distances (mesh by mesh),
+/// int64 mesh_count, uint64 p (n, or 0: the sum is not wanted), 3 p float64.
 [[nodiscard]] std::string EncodeVariationBlob(const VariationPart& part);
 [[nodiscard]] absl::StatusOr<VariationPart> DecodeVariationBlob(std::string_view bytes);
 

@@ -74,7 +74,8 @@ struct Task {
                                         ///< kVariation: the correspondences.
   bool counts_reference_index = false;  ///< The first task of a stage counts the index that all of
                                         ///< them need, so that counts do not depend on who ran it.
-  bool moves_reference = false;  ///< kSummarize: the mean shape is reference + mean displacement.
+  /// kVariation, kSummarize: the mean shape is the reference and the mean displacement from it.
+  bool moves_reference = false;
   std::array<double, 3> frame_center{};  ///< kCompare: subtracted before distances become float32.
 };
 

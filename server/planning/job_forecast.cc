@@ -1,5 +1,7 @@
 #include "server/planning/job_forecast.h"
 
+#include <algorithm>
+
 #include "server/planning/kept_bytes.h"
 
 namespace cohort {
@@ -28,8 +30,9 @@ double OtherBytes(const PlanState& state, double measured_pairs) {
   }
   const int rounds = state.spec.method == Method::kAverage ? state.spec.rounds : 0;
   const auto batches = static_cast<double>(state.batches.size());
-  // Displacement sums of each round and, for the variation, of the last alignment.
-  bytes += (rounds + 1) * reference * (batches * kDisplacementBytes + kShapeBytes);
+  // Of each round or, where there is none, of the variation.
+  bytes += std::max(rounds, 1) * reference * batches * kDisplacementBytes;
+  bytes += (rounds + 1) * reference * kShapeBytes;
   bytes += reference * kSummaryBytes;
   bytes += (rounds + 2) * meshes * kAlignmentBytes;
   if (state.spec.method == Method::kEach) {

@@ -32,7 +32,8 @@ void AddMeanShapeRounds(StepList& steps, int rounds) {
 /// What lies around the reference, then all pairs. One task makes the summary: it runs beside the
 /// pairs, so that no worker waits for it, as does the quick matrix's before them.
 void AddComparison(StepList& steps, const JobSpec& spec, LastShape last_shape) {
-  steps.Add(MakeVariationStage(spec.preview ? Displacement::kWanted : Displacement::kNotWanted));
+  steps.Add(MakeVariationStage(spec.preview ? Displacement::kWanted : Displacement::kNotWanted,
+                               last_shape));
   if (spec.preview) {
     steps.Add(MakePreviewStage());
   }
@@ -107,7 +108,8 @@ std::vector<Step> MakeSteps(const JobSpec& spec) {
     case Method::kEach:
       // The alignments to the base, which the variation needs, come out of the comparison.
       steps.Add(MakeAlignAndCompareStage());
-      steps.Add(MakeVariationStage(Displacement::kNotWanted));
+      steps.Add(
+          MakeVariationStage(Displacement::kNotWanted, LastShape::kReferencePlusDisplacement));
       steps.Add(MakeSummarizeStage(LastShape::kReferencePlusDisplacement));
       break;
     case Method::kNone:

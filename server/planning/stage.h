@@ -61,7 +61,8 @@ enum class LastShape { kReferencePlusDisplacement, kReference };
 [[nodiscard]] std::unique_ptr<const Stage> MakeFidentisAlignStage(const std::string& name);
 [[nodiscard]] std::unique_ptr<const Stage> MakeFidentisAverageStage(const std::string& name);
 [[nodiscard]] std::unique_ptr<const Stage> MakeFidentisSummarizeStage();
-[[nodiscard]] std::unique_ptr<const Stage> MakeVariationStage(Displacement displacement);
+[[nodiscard]] std::unique_ptr<const Stage> MakeVariationStage(Displacement displacement,
+                                                              LastShape last_shape);
 [[nodiscard]] std::unique_ptr<const Stage> MakePreviewStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeSummarizeStage(LastShape last_shape);
 

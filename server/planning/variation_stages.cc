@@ -13,7 +13,8 @@ constexpr double kSummarizeSecondsPerDistance = 1e-7;
 /// Distances of each reference vertex to the aligned meshes of one batch.
 class VariationStage final : public Stage {
  public:
-  explicit VariationStage(Displacement displacement) : displacement_(displacement) {}
+  VariationStage(Displacement displacement, LastShape last_shape)
+      : displacement_(displacement), last_shape_(last_shape) {}
 
   [[nodiscard]] std::string Name() const override { return "variation"; }
   [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
@@ -35,6 +36,7 @@ class VariationStage final : public Stage {
     made.reference = state.reference;
     made.icp.correspondence = state.spec.icp.correspondence;
     made.wants_displacement = displacement_ == Displacement::kWanted;
+    made.moves_reference = last_shape_ == LastShape::kReferencePlusDisplacement;
     made.alignments = state.AlignmentsOf(meshes);
     return made;
   }
@@ -62,6 +64,7 @@ class VariationStage final : public Stage {
   }
 
   Displacement displacement_;
+  LastShape last_shape_;
 };
 
 /// Per-vertex metrics over all meshes, and the mean shape.
@@ -97,8 +100,8 @@ class SummarizeStage final : public Stage {
 
 }  // namespace
 
-std::unique_ptr<const Stage> MakeVariationStage(Displacement displacement) {
-  return std::make_unique<VariationStage>(displacement);
+std::unique_ptr<const Stage> MakeVariationStage(Displacement displacement, LastShape last_shape) {
+  return std::make_unique<VariationStage>(displacement, last_shape);
 }
 
 std::unique_ptr<const Stage> MakeSummarizeStage(LastShape last_shape) {

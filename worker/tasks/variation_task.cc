@@ -24,7 +24,7 @@ absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext&
   CorrespondencePart correspondences{.meshes = {}, .fields = DisplacementFields(n)};
   VariationPart part;
   part.distances.resize(n, static_cast<Eigen::Index>(task.meshes.size()));
-  part.displacement.sum = Eigen::Matrix3Xd::Zero(3, n);
+  part.displacement.sum = Eigen::Matrix3Xd::Zero(3, task.moves_reference ? n : 0);
   for (size_t k = 0; k < task.meshes.size(); ++k) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
     const TaskMesh& input = task.meshes[k];
@@ -33,7 +33,9 @@ absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext&
                             displacements.Find(input.blob, T_reference_mesh));
     part.distances.col(static_cast<Eigen::Index>(k)) =
         displacement.colwise().norm().transpose().cast<float>();
-    part.displacement.sum += displacement;
+    if (task.moves_reference) {
+      part.displacement.sum += displacement;
+    }
     ++part.displacement.mesh_count;
     part.meshes.push_back(input.index);
     if (task.wants_displacement) {
@@ -59,7 +61,9 @@ absl::StatusOr<TaskResult> RunSummarizeTask(const Task& task, const TaskContext&
     COHORT_RETURN_IF_ERROR(context.CheckStop());
     COHORT_ASSIGN_OR_RETURN(const std::string bytes, context.store.Get(blob));
     COHORT_ASSIGN_OR_RETURN(VariationPart part, DecodeVariationBlob(bytes));
-    if (part.distances.rows() != reference->VertexCount()) {
+    const int64_t moved = task.moves_reference ? reference->VertexCount() : 0;
+    if (part.distances.rows() != reference->VertexCount() ||
+        part.displacement.sum.cols() != moved) {
       return absl::DataLossError("variation blob " + blob.Hex() + " does not fit the reference");
     }
     summary.mesh_count += part.displacement.mesh_count;
@@ -74,11 +78,7 @@ absl::StatusOr<TaskResult> RunSummarizeTask(const Task& task, const TaskContext&
         values.push_back(static_cast<double>(part(vertex, k)));
       }
     }
-    MetricValues metrics{};
-    for (const Metric metric : kAllMetrics) {
-      metrics[static_cast<size_t>(metric)] = ComputeMetric(metric, values);
-    }
-    summary.values.push_back(metrics);
+    summary.values.push_back(MetricsOfDistances(values));
   }
   TriangleMesh mean_shape = *reference;
   if (task.moves_reference) {

@@ -109,12 +109,11 @@ MetricValues ComputeMetrics(std::span<const float> squared_distances) {
   return MeasureSquaredDistances(squared_distances, scratch).metrics;
 }
 
-double ComputeMetric(Metric metric, std::span<const double> values) {
-  assert(!values.empty());
-  if (metric == Metric::kPercentile75) {
-    return Percentile75(values);
-  }
-  return MetricsOfTotals(Total(values)).at(static_cast<size_t>(metric));
+MetricValues MetricsOfDistances(std::span<const double> distances) {
+  assert(!distances.empty());
+  MetricValues metrics = MetricsOfTotals(Total(distances));
+  metrics.at(static_cast<size_t>(Metric::kPercentile75)) = Percentile75(distances);
+  return metrics;
 }
 
 }  // namespace cohort

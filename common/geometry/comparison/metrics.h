@@ -46,8 +46,8 @@ using MetricValues = std::array<double, kMetricCount>;
 /// Source: definitions of the predecessor (reference c7), geometric mean through logarithms.
 [[nodiscard]] MetricValues ComputeMetrics(std::span<const float> squared_distances);
 
-/// One metric of any non-negative values (n >= 1), as ComputeMetrics computes it from distances:
-/// for distances in float32, the same bits.
-[[nodiscard]] double ComputeMetric(Metric metric, std::span<const double> values);
+/// Metrics of any non-negative distances (n >= 1), as ComputeMetrics computes them: for distances
+/// in float32, the same bits.
+[[nodiscard]] MetricValues MetricsOfDistances(std::span<const double> distances);
 
 }  // namespace cohort

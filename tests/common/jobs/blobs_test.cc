@@ -224,6 +224,22 @@ TEST(VariationBlob, KeepsEveryNumber) {
   EXPECT_EQ(decoded->displacement.sum, expected.displacement.sum);
 }
 
+TEST(VariationBlob, DoesWithoutASum) {
+  VariationPart expected = SomeVariation();
+  expected.displacement.sum.resize(3, 0);
+  const auto decoded = DecodeVariationBlob(EncodeVariationBlob(expected));
+  ASSERT_THAT(decoded, IsOk());
+  EXPECT_EQ(decoded->distances, expected.distances);
+  EXPECT_EQ(decoded->displacement.sum.cols(), 0);
+}
+
+TEST(VariationBlob, RefusesASumOfOtherVertices) {
+  VariationPart part = SomeVariation();
+  part.displacement.sum = Eigen::Matrix3Xd::Zero(3, 2);
+  EXPECT_THAT(DecodeVariationBlob(EncodeVariationBlob(part)),
+              StatusIs(kDataLoss, "has 2 displacements of 3 vertices"));
+}
+
 TEST(SummaryBlob, KeepsEveryNumber) {
   const auto decoded = DecodeSummaryBlob(EncodeSummaryBlob(SomeSummary()));
   ASSERT_THAT(decoded, IsOk());

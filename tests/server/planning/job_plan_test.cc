@@ -185,7 +185,7 @@ TEST(PlanWithKnownMeshes, SkipsTheirIngestButKeepsTheNumbers) {
   const auto plan = job.Plan(SpecOf(Method::kNone), {0, 2});
   EXPECT_EQ(plan->CurrentProgress().tasks_total, 1 + 6 + 3 + 1);
   EXPECT_THAT(job.RunReady(*plan), ElementsAre("1 ingest: b raw"));
-  EXPECT_EQ(job.RunReady(*plan)[0], "3 variation: a | to a");
+  EXPECT_EQ(job.RunReady(*plan)[0], "3 variation: a | to a | moves reference");
 }
 
 TEST(PlanWithKnownMeshes, BeginsAfterIngestWhenAllAreKnown) {

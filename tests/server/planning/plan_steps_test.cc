@@ -107,9 +107,9 @@ TEST(PlanToOne, IsThisForThreeMeshesAndTheSecondAsBase) {
           "7 align: b | to b | from pose#4",                                                    //
           "8 align: c | to b | from pose#5",                                                    //
           "--",                                                                                 //
-          "9 variation: a | to b | from align#6",                                               //
-          "10 variation: b | to b | from align#7",                                              //
-          "11 variation: c | to b | from align#8",                                              //
+          "9 variation: a | to b | from align#6 | moves reference",                             //
+          "10 variation: b | to b | from align#7 | moves reference",                            //
+          "11 variation: c | to b | from align#8 | moves reference",                            //
           "--",                                                                                 //
           "12 summarize: | to b | of variation#9 variation#10 variation#11 | moves reference",  //
           "13 compare: a x a | from align#6",                                                   //
@@ -126,25 +126,26 @@ TEST(PlanToEach, IsThisForThreeMeshesAndTheSecondAsBase) {
   JobSpec spec = SpecOf(Method::kEach);
   spec.base = "b.ply";
   const auto plan = job.Plan(spec);
-  EXPECT_THAT(job.RunAll(*plan),
-              ElementsAre("0 ingest: a raw",                                                  //
-                          "1 ingest: b raw",                                                  //
-                          "2 ingest: c raw",                                                  //
-                          "--",                                                               //
-                          "3 pose: a | to b | counts index",                                  //
-                          "4 pose: b | to b",                                                 //
-                          "5 pose: c | to b",                                                 //
-                          "--",                                                               //
-                          "6 compare: a b c x a | from pose#3 pose#4 pose#5 | counts index",  //
-                          "7 compare: a b c x b | from pose#3 pose#4 pose#5 | counts index",  //
-                          "8 compare: a b c x c | from pose#3 pose#4 pose#5 | counts index",  //
-                          "--",                                                               //
-                          "9 variation: a | to b | from compare#7+",                          //
-                          "10 variation: b | to b | from compare#7+",                         //
-                          "11 variation: c | to b | from compare#7+",                         //
-                          "--",                                                               //
-                          "12 summarize: | to b | of variation#9 variation#10 variation#11 "
-                          "| moves reference"));
+  EXPECT_THAT(
+      job.RunAll(*plan),
+      ElementsAre(
+          "0 ingest: a raw",                                                  //
+          "1 ingest: b raw",                                                  //
+          "2 ingest: c raw",                                                  //
+          "--",                                                               //
+          "3 pose: a | to b | counts index",                                  //
+          "4 pose: b | to b",                                                 //
+          "5 pose: c | to b",                                                 //
+          "--",                                                               //
+          "6 compare: a b c x a | from pose#3 pose#4 pose#5 | counts index",  //
+          "7 compare: a b c x b | from pose#3 pose#4 pose#5 | counts index",  //
+          "8 compare: a b c x c | from pose#3 pose#4 pose#5 | counts index",  //
+          "--",                                                               //
+          "9 variation: a | to b | from compare#7+ | moves reference",        //
+          "10 variation: b | to b | from compare#7+ | moves reference",       //
+          "11 variation: c | to b | from compare#7+ | moves reference",       //
+          "--",                                                               //
+          "12 summarize: | to b | of variation#9 variation#10 variation#11 | moves reference"));
   EXPECT_EQ(job.NamesOf(plan->Outputs().tiles), "compare#6 compare#7 compare#8");
   EXPECT_EQ(job.NamesOf(plan->Outputs().alignments), "compare#7+");
 }
@@ -152,17 +153,17 @@ TEST(PlanToEach, IsThisForThreeMeshesAndTheSecondAsBase) {
 TEST(PlanToEach, StartsFromIdentityWithoutAPose) {
   FakeJob job(2);
   const auto plan = job.Plan(SpecOf(Method::kEach, PoseMode::kNone));
-  EXPECT_THAT(job.RunAll(*plan), ElementsAre("0 ingest: a raw",                          //
-                                             "1 ingest: b raw",                          //
-                                             "--",                                       //
-                                             "2 compare: a b x a | counts index",        //
-                                             "3 compare: a b x b | counts index",        //
-                                             "--",                                       //
-                                             "4 variation: a | to a | from compare#2+",  //
-                                             "5 variation: b | to a | from compare#2+",  //
-                                             "--",                                       //
-                                             "6 summarize: | to a | of variation#4 "
-                                             "variation#5 | moves reference"));
+  EXPECT_THAT(job.RunAll(*plan),
+              ElementsAre("0 ingest: a raw",                                            //
+                          "1 ingest: b raw",                                            //
+                          "--",                                                         //
+                          "2 compare: a b x a | counts index",                          //
+                          "3 compare: a b x b | counts index",                          //
+                          "--",                                                         //
+                          "4 variation: a | to a | from compare#2+ | moves reference",  //
+                          "5 variation: b | to a | from compare#2+ | moves reference",  //
+                          "--",                                                         //
+                          "6 summarize: | to a | of variation#4 variation#5 | moves reference"));
 }
 
 TEST(PlanToNone, IsThisForThreeMeshes) {
@@ -175,9 +176,9 @@ TEST(PlanToNone, IsThisForThreeMeshes) {
           "1 ingest: b raw",                                                                 //
           "2 ingest: c raw",                                                                 //
           "--",                                                                              //
-          "3 variation: a | to a",                                                           //
-          "4 variation: b | to a",                                                           //
-          "5 variation: c | to a",                                                           //
+          "3 variation: a | to a | moves reference",                                         //
+          "4 variation: b | to a | moves reference",                                         //
+          "5 variation: c | to a | moves reference",                                         //
           "--",                                                                              //
           "6 summarize: | to a | of variation#3 variation#4 variation#5 | moves reference",  //
           "7 compare: a x a",                                                                //
@@ -196,18 +197,18 @@ TEST(PlanWithLandmarks, PosesByThemToTheBaseMesh) {
   spec.landmarks = job.Name("landmarks");
   const auto plan = job.Plan(spec);
   EXPECT_THAT(job.RunAll(*plan),
-              ElementsAre("0 ingest: a raw",                                         //
-                          "1 ingest: b raw",                                         //
-                          "--",                                                      //
-                          "2 pose: a x b | to b | by landmarks | counts index",      //
-                          "3 pose: b x b | to b | by landmarks",                     //
-                          "--",                                                      //
-                          "4 compare: a b x a | from pose#2 pose#3 | counts index",  //
-                          "5 compare: a b x b | from pose#2 pose#3 | counts index",  //
-                          "--",                                                      //
-                          "6 variation: a | to b | from compare#5+",                 //
-                          "7 variation: b | to b | from compare#5+",                 //
-                          "--",                                                      //
+              ElementsAre("0 ingest: a raw",                                            //
+                          "1 ingest: b raw",                                            //
+                          "--",                                                         //
+                          "2 pose: a x b | to b | by landmarks | counts index",         //
+                          "3 pose: b x b | to b | by landmarks",                        //
+                          "--",                                                         //
+                          "4 compare: a b x a | from pose#2 pose#3 | counts index",     //
+                          "5 compare: a b x b | from pose#2 pose#3 | counts index",     //
+                          "--",                                                         //
+                          "6 variation: a | to b | from compare#5+ | moves reference",  //
+                          "7 variation: b | to b | from compare#5+ | moves reference",  //
+                          "--",                                                         //
                           "8 summarize: | to b | of variation#6 variation#7 | moves reference"));
   EXPECT_EQ(job.NamesOf(plan->Outputs().poses), "pose#2 pose#3");
 }
@@ -229,27 +230,27 @@ TEST(PlanWithSymmetricCopies, PutsThemInThePlaceOfTheMeshes) {
   JobSpec spec = SpecOf(Method::kOne);
   spec.symmetric_copies = true;
   const auto plan = job.Plan(spec);
-  EXPECT_THAT(job.RunAll(*plan),
-              ElementsAre("0 ingest: a raw",                                   //
-                          "1 ingest: b raw",                                   //
-                          "--",                                                //
-                          "2 symmetrize: a",                                   //
-                          "3 symmetrize: b",                                   //
-                          "--",                                                //
-                          "4 pose: a* | to a* | counts index",                 //
-                          "5 pose: b* | to a*",                                //
-                          "--",                                                //
-                          "6 align: a* | to a* | from pose#4 | counts index",  //
-                          "7 align: b* | to a* | from pose#5",                 //
-                          "--",                                                //
-                          "8 variation: a* | to a* | from align#6",            //
-                          "9 variation: b* | to a* | from align#7",            //
-                          "--",                                                //
-                          "10 summarize: | to a* | of variation#8 variation#9 "
-                          "| moves reference",                           //
-                          "11 compare: a* x a* | from align#6",          //
-                          "12 compare: a* x b* | from align#6 align#7",  //
-                          "13 compare: b* x b* | from align#7"));
+  EXPECT_THAT(
+      job.RunAll(*plan),
+      ElementsAre("0 ingest: a raw",                                                       //
+                  "1 ingest: b raw",                                                       //
+                  "--",                                                                    //
+                  "2 symmetrize: a",                                                       //
+                  "3 symmetrize: b",                                                       //
+                  "--",                                                                    //
+                  "4 pose: a* | to a* | counts index",                                     //
+                  "5 pose: b* | to a*",                                                    //
+                  "--",                                                                    //
+                  "6 align: a* | to a* | from pose#4 | counts index",                      //
+                  "7 align: b* | to a* | from pose#5",                                     //
+                  "--",                                                                    //
+                  "8 variation: a* | to a* | from align#6 | moves reference",              //
+                  "9 variation: b* | to a* | from align#7 | moves reference",              //
+                  "--",                                                                    //
+                  "10 summarize: | to a* | of variation#8 variation#9 | moves reference",  //
+                  "11 compare: a* x a* | from align#6",                                    //
+                  "12 compare: a* x b* | from align#6 align#7",                            //
+                  "13 compare: b* x b* | from align#7"));
   EXPECT_EQ(plan->Meshes()[1].copy->asymmetry, 0.5);
   EXPECT_EQ(job.NameOf(plan->Meshes()[1].ingested->blob), "b") << "the mesh stays what it is";
 }

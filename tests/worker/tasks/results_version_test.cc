@@ -32,7 +32,7 @@ std::string OutputsOf(const JobSpec& spec) {
 // kResultsVersion (common/jobs/action_key.h), so that results of earlier builds are not mixed with
 // new ones, and write the new names here.
 TEST(ResultsVersion, GrowsWheneverTheBytesOfResultsChange) {
-  EXPECT_EQ(kResultsVersion, 1);
+  EXPECT_EQ(kResultsVersion, 2);
   JobSpec average = testing::QuickSpec(Method::kAverage);
   average.preview = true;
   average.compare.retention = Retention::kVectors;

@@ -91,18 +91,14 @@ TEST_P(Percentile75, IsTheDocumentedRankOfTheSortedValues) {
 }
 INSTANTIATE_TEST_SUITE_P(Sizes, Percentile75, ::testing::Values(1, 2, 3, 4, 5, 100, 1001));
 
-TEST(ComputeMetric, EqualsComputeMetricsOnTheDistances) {
+TEST(MetricsOfDistances, EqualComputeMetricsOnTheSquares) {
   const std::vector<float> squares = RandomSquares(777, 4);
   std::vector<double> distances;
   distances.reserve(squares.size());
   for (const float square : squares) {
     distances.push_back(double{std::sqrt(square)});
   }
-  MetricValues one_by_one{};
-  for (const Metric metric : kAllMetrics) {
-    one_by_one.at(static_cast<size_t>(metric)) = ComputeMetric(metric, distances);
-  }
-  EXPECT_EQ(one_by_one, ComputeMetrics(squares));
+  EXPECT_EQ(MetricsOfDistances(distances), ComputeMetrics(squares));
 }
 
 TEST(MetricName, IsInvertedByMetricFromName) {
