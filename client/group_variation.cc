@@ -9,24 +9,19 @@
 #include "common/geometry/registration/mean_shape.h"
 
 namespace cohort {
-namespace {
-
 Eigen::Matrix3Xd DisplacementsTo(const FramedMesh& mesh,
-                                 const TriangleMesh& mean_shape,
-                                 const IcpMesh& packed_mean,
+                                 const Eigen::Matrix3Xd& vertices,
+                                 const IcpMesh& packed,
                                  Correspondence correspondence) {
   if (correspondence == Correspondence::kSurface) {
     SurfaceSearch search;
     const IcpMesh target = IcpMesh::WithSurface(mesh.mesh, BoundaryVertices(mesh.mesh));
-    return DisplacementToSurface(mean_shape.vertices, packed_mean, target, mesh.T_frame_mesh,
-                                 search);
+    return DisplacementToSurface(vertices, packed, target, mesh.T_frame_mesh, search);
   }
   PacketSearch search;
-  return DisplacementToMesh(mean_shape.vertices, packed_mean, mesh.mesh.vertices,
-                            IcpMesh(mesh.mesh.vertices), mesh.T_frame_mesh, search);
+  return DisplacementToMesh(vertices, packed, mesh.mesh.vertices, IcpMesh(mesh.mesh.vertices),
+                            mesh.T_frame_mesh, search);
 }
-
-}  // namespace
 
 absl::StatusOr<CorrespondedSet> FindCorrespondences(const JobFrame& frame, Executor& executor) {
   CorrespondedSet set;
@@ -47,7 +42,8 @@ absl::StatusOr<CorrespondedSet> FindCorrespondences(const JobFrame& frame, Execu
     statuses[place] = mesh.status();
     if (mesh.ok()) {
       set.displacements[place] =
-          DisplacementsTo(*mesh, set.mean_shape, packed_mean, correspondence).cast<float>();
+          DisplacementsTo(*mesh, set.mean_shape.vertices, packed_mean, correspondence)
+              .cast<float>();
     }
   });
   COHORT_RETURN_IF_ERROR(FirstError(statuses));

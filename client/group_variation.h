@@ -8,6 +8,7 @@
 #include "client/job_frame.h"
 #include "common/base/executor.h"
 #include "common/geometry/comparison/metrics.h"
+#include "common/geometry/registration/scaling_icp.h"
 
 namespace cohort {
 
@@ -19,6 +20,15 @@ struct CorrespondedSet {
   /// For each of them 3 x n: from each vertex of the mean shape to the mesh.
   std::vector<Eigen::Matrix3Xf> displacements;
 };
+
+/// From each of some vertices in a job's frame to the nearest vertex or point of the surface of a
+/// mesh, as the job's rounds found them.
+/// @param packed  of `vertices`.
+/// @return 3 x n.
+[[nodiscard]] Eigen::Matrix3Xd DisplacementsTo(const FramedMesh& mesh,
+                                               const Eigen::Matrix3Xd& vertices,
+                                               const IcpMesh& packed,
+                                               Correspondence correspondence);
 
 /// Finds all correspondences once more, as the job's rounds did (nearest vertices, or points of the
 /// surface).

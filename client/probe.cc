@@ -80,16 +80,16 @@ absl::StatusOr<Probe> AlignProbe(const JobFrame& frame,
 
 absl::StatusOr<std::vector<Match>> RankMeshes(const JobFrame& frame,
                                               const Probe& probe,
+                                              const std::vector<int32_t>& meshes,
                                               const MeasureSpec& measure,
                                               Symmetrization symmetrization,
                                               Executor& executor) {
-  const std::vector<int32_t>& active = frame.Active();
   const CompareOptions& compare = frame.GetJob().spec.compare;
-  std::vector<Match> matches(active.size());
-  std::vector<absl::Status> statuses(active.size());
+  std::vector<Match> matches(meshes.size());
+  std::vector<absl::Status> statuses(meshes.size());
   const auto measure_one = [&](size_t place) -> absl::Status {
     COHORT_ASSIGN_OR_RETURN(const FramedMesh mesh,
-                            frame.Load(active[place], {.compare = compare, .sign = measure.sign}));
+                            frame.Load(meshes[place], {.compare = compare, .sign = measure.sign}));
     DistanceFinder finder(compare, measure.sign);
     const auto value = [&](const FramedMesh& from,
                            const FramedMesh& to) -> absl::StatusOr<PairValue> {
@@ -107,11 +107,11 @@ absl::StatusOr<std::vector<Match>> RankMeshes(const JobFrame& frame,
     COHORT_ASSIGN_OR_RETURN(const PairValue there, value(probe.framed, mesh));
     COHORT_ASSIGN_OR_RETURN(const PairValue back, value(mesh, probe.framed));
     Match& match = matches[place];
-    match = {.mesh = active[place], .from_probe = there.value, .to_probe = back.value};
+    match = {.mesh = meshes[place], .from_probe = there.value, .to_probe = back.value};
     match.value = OneValue(match, symmetrization);
     return absl::OkStatus();
   };
-  executor.ParallelFor(std::ssize(active), [&](int64_t i) {
+  executor.ParallelFor(std::ssize(meshes), [&](int64_t i) {
     statuses[static_cast<size_t>(i)] = measure_one(static_cast<size_t>(i));
   });
   COHORT_RETURN_IF_ERROR(FirstError(statuses));

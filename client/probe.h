@@ -39,10 +39,11 @@ struct Match {
   double to_probe = 0;
 };
 
-/// Measures the probe against every active mesh of the job, exactly and both ways; nearest first,
+/// Measures the probe against some active meshes of the job, exactly and both ways; nearest first,
 /// ties by index, NaN last. The same bytes with any executor.
 [[nodiscard]] absl::StatusOr<std::vector<Match>> RankMeshes(const JobFrame& frame,
                                                             const Probe& probe,
+                                                            const std::vector<int32_t>& meshes,
                                                             const MeasureSpec& measure,
                                                             Symmetrization symmetrization,
                                                             Executor& executor);

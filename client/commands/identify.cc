@@ -17,6 +17,7 @@
 #include "client/job_source.h"
 #include "client/output/exit_codes.h"
 #include "client/probe.h"
+#include "client/signatures.h"
 #include "common/base/status_macros.h"
 #include "common/base/thread_pool.h"
 #include "common/report/csv.h"
@@ -33,6 +34,22 @@ struct IdentifyFlags {
   std::string out;
   std::string metric;
   int top = 10;
+  std::optional<int> shortlist;
+};
+
+/// Up to so many meshes all are compared with a probe; it takes seconds.
+constexpr int64_t kComparedInAnyCase = 1000;
+constexpr int64_t kShortestList = 100;
+constexpr int64_t kListPerTop = 10;
+/// Of the job's own meshes, to measure what a shortlist misses.
+constexpr int64_t kRecallProbes = 200;
+
+/// The meshes nearest by signature, which alone are compared.
+struct Shortlist {
+  Signatures signatures;
+  int64_t length = 0;
+  int64_t probes = 0;  ///< That `recall` was measured with; 0: it was not.
+  double recall = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// What all probes are held against.
@@ -43,6 +60,7 @@ struct Gallery {
   /// Ascending values of the job's pairs of different people (of all pairs without persons), where
   /// the job has the metric.
   std::vector<double> different;
+  std::optional<Shortlist> shortlist;  ///< Empty: all meshes are compared.
 };
 
 /// One probe and its nearest meshes.
@@ -51,7 +69,8 @@ struct Identified {
   std::vector<Match> matches;  ///< At most --top.
 };
 
-absl::StatusOr<std::vector<double>> DifferentPairs(Session& session, const Gallery& gallery) {
+/// The job's values as a probe's are: one number a pair, of the active meshes.
+absl::StatusOr<MetricMatrix> MatrixOf(Session& session, const Gallery& gallery) {
   const Job& job = gallery.frame->GetJob();
   COHORT_ASSIGN_OR_RETURN(
       const RowMajorMatrix directed,
@@ -61,8 +80,37 @@ absl::StatusOr<std::vector<double>> DifferentPairs(Session& session, const Galle
     matrix = Symmetrized(
         matrix, job.spec.symmetrization == Symmetrization::kMax ? PairRule::kMax : PairRule::kMean);
   }
-  const std::vector<std::string> persons = PersonsOf(matrix.labels, gallery.frame->Meshes());
-  return CollectPairs(matrix, job.spec.symmetrization, persons).different;
+  return matrix;
+}
+
+absl::StatusOr<std::optional<Shortlist>> MakeShortlist(const IdentifyFlags& flags,
+                                                       const Gallery& gallery,
+                                                       const std::optional<MetricMatrix>& exact) {
+  const int64_t meshes = std::ssize(gallery.frame->Active());
+  int64_t length = flags.shortlist.value_or(0);
+  if (!flags.shortlist && meshes > kComparedInAnyCase) {
+    length = std::max(kShortestList, kListPerTop * flags.top);
+  }
+  if (length == 0 || length >= meshes) {
+    return std::nullopt;
+  }
+  if (length < flags.top) {
+    return absl::InvalidArgumentError(absl::StrCat("--shortlist ", length,
+                                                   " is shorter than --top ", flags.top,
+                                                   ": expected 0 or at least that"));
+  }
+  absl::StatusOr<Signatures> signatures = Signatures::Load(*gallery.frame);
+  if (absl::IsNotFound(signatures.status()) && !flags.shortlist) {
+    return std::nullopt;  // Of an earlier build: all are compared, which takes longer.
+  }
+  COHORT_RETURN_IF_ERROR(signatures.status());
+  Shortlist shortlist{.signatures = *std::move(signatures), .length = length};
+  if (exact) {
+    shortlist.probes = std::min(kRecallProbes, meshes);
+    shortlist.recall =
+        shortlist.signatures.Recall(exact->values, flags.top, length, shortlist.probes);
+  }
+  return shortlist;
 }
 
 absl::StatusOr<Gallery> OpenGallery(const IdentifyFlags& flags, const OpenedJob& opened) {
@@ -78,9 +126,14 @@ absl::StatusOr<Gallery> OpenGallery(const IdentifyFlags& flags, const OpenedJob&
     const auto found = mesh.mesh.labels.find(std::string(kPersonLabel));
     gallery.persons.push_back(found == mesh.mesh.labels.end() ? "" : found->second);
   }
+  std::optional<MetricMatrix> exact;
   if (gallery.measure.IsPlainMetric()) {
-    COHORT_ASSIGN_OR_RETURN(gallery.different, DifferentPairs(*opened.session, gallery));
+    COHORT_ASSIGN_OR_RETURN(exact, MatrixOf(*opened.session, gallery));
+    const std::vector<std::string> persons = PersonsOf(exact->labels, gallery.frame->Meshes());
+    gallery.different =
+        CollectPairs(*exact, gallery.frame->GetJob().spec.symmetrization, persons).different;
   }
+  COHORT_ASSIGN_OR_RETURN(gallery.shortlist, MakeShortlist(flags, gallery, exact));
   return gallery;
 }
 
@@ -101,6 +154,33 @@ const std::string& NameOf(const Gallery& gallery, const Match& match) {
 
 nlohmann::json Number(double value) {
   return std::isnan(value) ? nlohmann::json() : nlohmann::json(value);
+}
+
+/// null: all meshes were compared.
+nlohmann::json ShortlistJson(const Gallery& gallery) {
+  if (!gallery.shortlist) {
+    return nullptr;
+  }
+  return {{"length", gallery.shortlist->length},
+          {"recall", Number(gallery.shortlist->recall)},
+          {"recall_probes", gallery.shortlist->probes}};
+}
+
+/// "compared with the 100 of 5000 meshes that are nearest by signature; ...", or nothing.
+std::string ShortlistText(const Gallery& gallery, int top) {
+  if (!gallery.shortlist) {
+    return "";
+  }
+  const Shortlist& shortlist = *gallery.shortlist;
+  std::string text =
+      absl::StrCat("compared with the ", shortlist.length, " of ", gallery.frame->Active().size(),
+                   " meshes that are nearest by signature; ");
+  if (shortlist.probes == 0) {
+    return text + "what they miss is not known for " + gallery.measure.Name() + "\n";
+  }
+  return text + absl::StrCat("of the ", top, " nearest to ", shortlist.probes,
+                             " of the job's own meshes, as many hold ",
+                             ReadableDecimal(shortlist.recall * 100, 3), " %\n");
 }
 
 nlohmann::json ToJson(const Gallery& gallery, const Identified& identified) {
@@ -185,6 +265,9 @@ absl::StatusOr<int> RunIdentify(const IdentifyFlags& flags) {
   COHORT_ASSIGN_OR_RETURN(const OpenedJob opened, flags.source.Open());
   COHORT_ASSIGN_OR_RETURN(const Gallery gallery, OpenGallery(flags, opened));
   const JobSpec& spec = gallery.frame->GetJob().spec;
+  if (!flags.source.server.json) {
+    std::cout << ShortlistText(gallery, flags.top);
+  }
   ThreadPool threads(LocalThreads());
   std::vector<Identified> all;
   nlohmann::json json = nlohmann::json::array();
@@ -192,9 +275,14 @@ absl::StatusOr<int> RunIdentify(const IdentifyFlags& flags) {
     COHORT_ASSIGN_OR_RETURN(
         Probe probe,
         AlignProbe(*gallery.frame, file, {.compare = spec.compare, .sign = gallery.measure.sign}));
-    COHORT_ASSIGN_OR_RETURN(
-        std::vector<Match> matches,
-        RankMeshes(*gallery.frame, probe, gallery.measure, spec.symmetrization, threads));
+    std::vector<int32_t> candidates = gallery.frame->Active();
+    if (gallery.shortlist) {
+      COHORT_ASSIGN_OR_RETURN(candidates, gallery.shortlist->signatures.Nearest(
+                                              *gallery.frame, probe, gallery.shortlist->length));
+    }
+    COHORT_ASSIGN_OR_RETURN(std::vector<Match> matches,
+                            RankMeshes(*gallery.frame, probe, candidates, gallery.measure,
+                                       spec.symmetrization, threads));
     matches.resize(std::min(matches.size(), static_cast<size_t>(flags.top)));
     all.push_back({std::move(probe), std::move(matches)});
     json.push_back(ToJson(gallery, all.back()));
@@ -206,6 +294,7 @@ absl::StatusOr<int> RunIdentify(const IdentifyFlags& flags) {
           {"metric", gallery.measure.Name()},
           {"unit", gallery.measure.metric == Metric::kVariance ? "mm²" : "mm"},
           {"meshes", gallery.frame->Active().size()},
+          {"shortlist", ShortlistJson(gallery)},
           {"probes", std::move(json)}};
   if (flags.source.server.json) {
     std::cout << json.dump(2) << "\n";
@@ -225,7 +314,7 @@ absl::StatusOr<int> RunIdentify(const IdentifyFlags& flags) {
 
 void AddIdentifyCommand(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
-      "identify", "align mesh files to a job's frame and rank its meshes by distance, exactly");
+      "identify", "align mesh files to a job's frame and rank its meshes by distance");
   const auto flags = std::make_shared<IdentifyFlags>();
   flags->source.AddTo(*command);
   command->add_option("probe", flags->probes, "mesh files")->required();
@@ -235,6 +324,12 @@ void AddIdentifyCommand(CLI::App& app, Action& action) {
   command->add_option("--metric", flags->metric,
                       "rms, mean, geometric-mean, min, max, variance, or a percentile: p95; else "
                       "the job's");
+  command
+      ->add_option("--shortlist", flags->shortlist,
+                   "meshes that are compared exactly, the nearest by signature (where they lie "
+                   "at 512 vertices of the reference); 0: all [all up to 1000 meshes, then 100 "
+                   "or 10 x top]")
+      ->check(CLI::Range(0, 100'000'000));
   command->add_option("--out", flags->out, "folder for identified.csv and identify.json");
   command->callback([flags, &action] { action = [flags] { return RunIdentify(*flags); }; });
   command->footer(

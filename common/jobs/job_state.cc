@@ -68,6 +68,7 @@ nlohmann::json ToJson(const JobOutputs& outputs) {
       {"preview", ToJson(outputs.preview)},
       {"variation_shape", outputs.variation_shape.Hex()},
       {"poses", ToJson(outputs.poses)},
+      {"signatures", ToJson(outputs.signatures)},
       {"frame", {{"reference", outputs.frame.reference.Hex()}, {"center", outputs.frame.center}}},
       {"imported", std::move(imported)},
   };
@@ -85,6 +86,7 @@ absl::StatusOr<JobOutputs> JobOutputsFromJson(const nlohmann::json& json) {
   fields.Read("preview", outputs.preview);
   fields.Read("variation_shape", outputs.variation_shape);
   fields.Read("poses", outputs.poses);
+  fields.Read("signatures", outputs.signatures);
   fields.ReadObject("frame", [&outputs](JsonFields& frame) {
     frame.Read("reference", outputs.frame.reference);
     frame.Read("center", outputs.frame.center);

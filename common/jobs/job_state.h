@@ -86,6 +86,9 @@ struct JobOutputs {
   CommonFrame frame;
   std::vector<ImportedPairs> imported;  ///< Of the job with a reference job; besides `tiles`.
   std::vector<Digest> poses;  ///< Alignment blobs of the coarse poses; empty: none were made.
+  /// Correspondence blobs of a few vertices of the reference (pairs/signature.h); empty: no
+  /// variation was measured, or by a build that kept none.
+  std::vector<Digest> signatures;
 };
 
 /// A mesh of a job and what became of it.

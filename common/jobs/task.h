@@ -146,7 +146,9 @@ struct TaskResult {
                          ///< blob, if wanted. kAlignAndCompare: alignment
                          ///< blob. kSummarize: mean shape as mesh blob.
   Digest placed;         ///< If wanted: the meshes as they were aligned.
-  Digest fields;      ///< kCompare, kAlignAndCompare: what is kept of the distances; empty: none.
+  /// kCompare, kAlignAndCompare: what is kept of the distances; empty: none. kVariation: signatures
+  /// of the meshes, as correspondence blob.
+  Digest fields;
   int32_t base = -1;  ///< kChooseBase: index of the mesh.
   double change = 0;  ///< kAverage: RMS over the vertices of how far the reference moved.
   std::vector<IngestedMesh> ingested;     ///< kIngest.

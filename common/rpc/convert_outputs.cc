@@ -56,6 +56,7 @@ v1::GetOutputsResponse ToProto(const JobOutputs& outputs) {
   *wire.mutable_alignment_sha256() = ToWire(outputs.alignments);
   *wire.mutable_pose_sha256() = ToWire(outputs.poses);
   *wire.mutable_field_sha256() = ToWire(outputs.fields);
+  *wire.mutable_signature_sha256() = ToWire(outputs.signatures);
   wire.set_mean_shape_sha256(outputs.mean_shape.Hex());
   wire.set_summary_sha256(outputs.summary.Hex());
   wire.set_variation_shape_sha256(outputs.variation_shape.Hex());
@@ -77,6 +78,7 @@ absl::StatusOr<JobOutputs> FromProto(const v1::GetOutputsResponse& wire) {
   COHORT_RETURN_IF_ERROR(Read(wire.alignment_sha256(), outputs.alignments));
   COHORT_RETURN_IF_ERROR(Read(wire.pose_sha256(), outputs.poses));
   COHORT_RETURN_IF_ERROR(Read(wire.field_sha256(), outputs.fields));
+  COHORT_RETURN_IF_ERROR(Read(wire.signature_sha256(), outputs.signatures));
   COHORT_RETURN_IF_ERROR(Read(wire.mean_shape_sha256(), outputs.mean_shape));
   COHORT_RETURN_IF_ERROR(Read(wire.summary_sha256(), outputs.summary));
   COHORT_RETURN_IF_ERROR(Read(wire.variation_shape_sha256(), outputs.variation_shape));

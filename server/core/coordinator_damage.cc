@@ -42,8 +42,8 @@ bool Names(const JobOutputs& kept, const Digest& blob) {
 std::vector<Digest> OwnBlobs(const JobOutputs& outputs) {
   std::vector<Digest> blobs = {outputs.mean_shape, outputs.summary, outputs.variation_shape,
                                outputs.base_choice, outputs.frame.reference};
-  for (const auto* list :
-       {&outputs.tiles, &outputs.alignments, &outputs.fields, &outputs.preview, &outputs.poses}) {
+  for (const auto* list : {&outputs.tiles, &outputs.alignments, &outputs.fields, &outputs.preview,
+                           &outputs.poses, &outputs.signatures}) {
     blobs.insert(blobs.end(), list->begin(), list->end());
   }
   std::erase_if(blobs, [](const Digest& blob) { return blob.empty(); });

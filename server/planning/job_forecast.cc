@@ -16,6 +16,7 @@ constexpr double kSummaryBytes = 56;       ///< A vertex of the reference.
 constexpr double kDisplacementBytes = 24;  ///< A vertex of the reference and a batch.
 constexpr double kVariationBytes = 4;      ///< A vertex of the reference and a mesh.
 constexpr double kCorrespondenceBytes = 12;  ///< The same of a preview.
+constexpr double kSignatureBytes = 3072;     ///< A mesh.
 constexpr double kPreviewBytes = 8;          ///< An undirected pair.
 constexpr double kAlignmentBytes = 200;      ///< A mesh and a round.
 
@@ -23,6 +24,7 @@ double OtherBytes(const PlanState& state, double measured_pairs) {
   const auto meshes = static_cast<double>(state.ActiveCount());
   const double reference = state.VerticesOf(state.base);
   double bytes = measured_pairs * kMetricsBytes + meshes * reference * kVariationBytes;
+  bytes += meshes * kSignatureBytes;
   for (const int32_t mesh : state.active) {
     const bool is_new = !state.meshes[static_cast<size_t>(mesh)].ingested;
     const int copies = (is_new ? 1 : 0) + (state.spec.symmetric_copies ? 1 : 0);

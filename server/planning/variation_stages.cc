@@ -44,6 +44,9 @@ class VariationStage final : public Stage {
                                     std::span<const TaskResult> results) const override {
     for (size_t i = 0; i < results.size(); ++i) {
       state.variations.push_back(results[i].output);
+      if (!results[i].fields.empty()) {
+        state.outputs.signatures.push_back(results[i].fields);
+      }
       if (displacement_ == Displacement::kWanted) {
         state.batches[i].displacement = results[i].second_output;
       }

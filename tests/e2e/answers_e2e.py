@@ -164,6 +164,23 @@ class Answers(ProgramTest):
         for match in known:
             wanted = matrix[2][labels.index(match["mesh"])]
             self.assertAlmostEqual(match["value"], wanted, delta=0.1)
+        # By signature first: the same answers, and how many such a list misses.
+        self.assertIsNone(answer["shortlist"])
+        short = json.loads(self.call("identify", self.dir / "out", files[0], "--top", 3,
+                                     "--shortlist", 4, "--json").stdout)
+        self.assertEqual(short["probes"][0]["matches"], matches)
+        self.assertEqual(short["shortlist"]["length"], 4)
+        self.assertEqual(short["shortlist"]["recall_probes"], len(labels))
+        self.assertGreater(short["shortlist"]["recall"], 0.6)
+        all_others = json.loads(self.call("identify", self.dir / "out", files[0], "--top", 3,
+                                          "--shortlist", len(labels) - 1, "--json").stdout)
+        self.assertEqual(all_others["shortlist"]["recall"], 1)
+        text = self.call("identify", self.dir / "out", files[0], "--top", 3, "--shortlist", 4,
+                         "--metric", "p95").stdout
+        self.assertIn("the 4 of 7 meshes that are nearest by signature", text)
+        self.assertIn("not known for p95", text)
+        refused = self.call("identify", self.dir / "out", files[0], "--shortlist", 2, code=2)
+        self.assertIn("--shortlist 2 is shorter than --top 10", refused.stderr)
         self.call("results", self.dir / "out", "--verify", 20)
         self.assertEqual((self.dir / "out" / "matrix.csv").read_bytes(), before)
 

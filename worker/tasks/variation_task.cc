@@ -9,6 +9,7 @@
 #include "common/geometry/registration/mean_shape.h"
 #include "common/jobs/blobs.h"
 #include "common/jobs/preview_blobs.h"
+#include "common/pairs/signature.h"
 #include "common/store/mesh_blob.h"
 #include "worker/tasks/displacement_finder.h"
 
@@ -22,6 +23,8 @@ absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext&
   const int64_t n = displacements.VertexCount();
   TaskResult result;
   CorrespondencePart correspondences{.meshes = {}, .fields = DisplacementFields(n)};
+  CorrespondencePart signatures{.meshes = {},
+                                .fields = DisplacementFields(std::ssize(SignatureVertices(n)))};
   VariationPart part;
   part.distances.resize(n, static_cast<Eigen::Index>(task.meshes.size()));
   part.displacement.sum = Eigen::Matrix3Xd::Zero(3, task.moves_reference ? n : 0);
@@ -38,6 +41,8 @@ absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext&
     }
     ++part.displacement.mesh_count;
     part.meshes.push_back(input.index);
+    signatures.meshes.push_back(input.index);
+    signatures.fields.Add(SignatureOf(displacement));
     if (task.wants_displacement) {
       correspondences.meshes.push_back(input.index);
       correspondences.fields.Add(displacement.cast<float>());
@@ -45,6 +50,7 @@ absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext&
     result.counters.variation += {.index_builds = 1, .lookups = n};
   }
   COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeVariationBlob(part)));
+  COHORT_ASSIGN_OR_RETURN(result.fields, context.store.Put(EncodeCorrespondenceBlob(signatures)));
   if (task.wants_displacement) {
     COHORT_ASSIGN_OR_RETURN(result.second_output,
                             context.store.Put(EncodeCorrespondenceBlob(correspondences)));

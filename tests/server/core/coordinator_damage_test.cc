@@ -61,8 +61,8 @@ std::vector<BlobOfJob> OneOfEach(const std::vector<DoneTask>& tasks) {
 std::vector<Digest> AllOutputs(const JobOutputs& outputs) {
   std::vector<Digest> all = {outputs.mean_shape, outputs.summary, outputs.variation_shape,
                              outputs.base_choice};
-  for (const auto* list :
-       {&outputs.tiles, &outputs.alignments, &outputs.fields, &outputs.preview, &outputs.poses}) {
+  for (const auto* list : {&outputs.tiles, &outputs.alignments, &outputs.fields, &outputs.preview,
+                           &outputs.poses, &outputs.signatures}) {
     all.insert(all.end(), list->begin(), list->end());
   }
   std::erase_if(all, [](const Digest& digest) { return digest.empty(); });
@@ -154,7 +154,7 @@ TEST_F(CoordinatorDamageTest, AJobHasABlobOfEveryKind) {
                          {"ingest, canonical mesh", "pose, output", "align 1, output",
                           "align 1, second output", "average 1, output", "compare, output",
                           "compare, fields", "variation, output", "variation, second output",
-                          "preview, output", "summarize, output"}))
+                          "variation, fields", "preview, output", "summarize, output"}))
       << ::testing::PrintToString(kinds);
 }
 
@@ -245,7 +245,7 @@ TEST_F(CoordinatorDamageTest, WhatAJobKeepsOfAnotherIsMadeAgainByThatOne) {
   spec_.preview = false;
   const Job first = Submit(spec_, true);
   Work();
-  const std::vector<SetMesh> more = testing::PutDemoScans(*store_, kPeople + 1, 1);
+  const std::vector<SetMesh> more = testing::PutDemoScans(*store_, kPeople + 1, 1, kVertices);
   ASSERT_THAT(coordinator_->AddMesh("set", more.back()), IsOk());
   JobSpec spec;
   spec.reference_job = first.id.value;

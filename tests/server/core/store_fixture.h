@@ -35,6 +35,8 @@ struct DoneTask {
 class StoreFixture : public ::testing::Test {
  protected:
   static constexpr int kPeople = 3;
+  /// More than a signature has points, so that it is another blob than the correspondences.
+  static constexpr int64_t kVertices = 600;
 
   StoreFixture() {
     folder_ = std::filesystem::temp_directory_path() /
@@ -46,7 +48,7 @@ class StoreFixture : public ::testing::Test {
     options_.build = "1";
     options_.reserve = {.bytes = 0, .share = 0};
     Restart();
-    for (const SetMesh& mesh : PutDemoScans(*store_, kPeople, 1)) {
+    for (const SetMesh& mesh : PutDemoScans(*store_, kPeople, 1, kVertices)) {
       EXPECT_THAT(coordinator_->AddMesh("set", mesh), IsOk());
       meshes_.push_back(mesh);
     }
@@ -69,7 +71,7 @@ class StoreFixture : public ::testing::Test {
     DemoOptions options;
     options.people = kPeople;
     options.captures = 1;
-    options.vertices = 300;
+    options.vertices = kVertices;
     LandmarkTable table;
     for (int person = 0; person < kPeople; ++person) {
       const DemoScan scan = MakeDemoScan(options, person, 0).value();

@@ -19,8 +19,8 @@ std::string OutputsOf(const JobSpec& spec) {
   EXPECT_TRUE(job.status.ok()) << job.status;
   const JobOutputs& outputs = job.plan->Outputs();
   std::string names = absl::StrCat(outputs.mean_shape.Hex(), outputs.summary.Hex());
-  for (const auto* blobs :
-       {&outputs.tiles, &outputs.alignments, &outputs.fields, &outputs.poses, &outputs.preview}) {
+  for (const auto* blobs : {&outputs.tiles, &outputs.alignments, &outputs.fields, &outputs.poses,
+                            &outputs.preview, &outputs.signatures}) {
     for (const Digest& blob : *blobs) {
       names += blob.Hex();
     }
@@ -36,15 +36,15 @@ TEST(ResultsVersion, GrowsWheneverTheBytesOfResultsChange) {
   JobSpec average = testing::QuickSpec(Method::kAverage);
   average.preview = true;
   average.compare.retention = Retention::kVectors;
-  EXPECT_EQ(OutputsOf(average), "9790ca96e33746d0");
+  EXPECT_EQ(OutputsOf(average), "2bec657c36cede2f");
   JobSpec one = testing::QuickSpec(Method::kOne);
   one.compare.retention = Retention::kSketch;
   one.icp.correspondence = Correspondence::kSurface;
   one.compare.correspondence = Correspondence::kSurface;
-  EXPECT_EQ(OutputsOf(one), "aaeb08a2e9a7963b");
+  EXPECT_EQ(OutputsOf(one), "6639ac523373962b");
   JobSpec each = testing::QuickSpec(Method::kEach);
   each.compare.retention = Retention::kCompact;
-  EXPECT_EQ(OutputsOf(each), "3a3d5a882740e8c5");
+  EXPECT_EQ(OutputsOf(each), "49a4a7ffe224288b");
   EXPECT_EQ(OutputsOf(FidentisSpec(Method::kAverage)), "3c112cf13a605ca3");
 }
 
