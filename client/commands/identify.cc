@@ -178,9 +178,9 @@ std::string ShortlistText(const Gallery& gallery, int top) {
   if (shortlist.probes == 0) {
     return text + "what they miss is not known for " + gallery.measure.Name() + "\n";
   }
-  return text + absl::StrCat("of the ", top, " nearest to ", shortlist.probes,
-                             " of the job's own meshes, as many hold ",
-                             ReadableDecimal(shortlist.recall * 100, 3), " %\n");
+  return text + absl::StrCat("such a list holds ", ReadableDecimal(shortlist.recall * 100, 3),
+                             " % of the ", top, " nearest (measured on ", shortlist.probes,
+                             " of the job's own meshes)\n");
 }
 
 nlohmann::json ToJson(const Gallery& gallery, const Identified& identified) {
