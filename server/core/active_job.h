@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/jobs/job_state.h"
+#include "server/catalog/catalog.h"
 #include "server/planning/job_plan.h"
 #include "server/scheduling/number_set.h"
 #include "server/scheduling/scheduler.h"
@@ -23,5 +24,15 @@ struct ActiveJob {
   /// Attempts at tasks that are not ready again: a damaged blob has put the job back.
   std::map<int64_t, TaskAttempts> earlier_attempts;
 };
+
+/// The row of a task that has no result (yet).
+inline TaskRecord RecordOf(int64_t number, const TaskAttempts& attempts) {
+  TaskRecord record;
+  record.number = number;
+  record.epoch = attempts.epoch;
+  record.failures = attempts.failures;
+  record.losses = attempts.losses;
+  return record;
+}
 
 }  // namespace cohort

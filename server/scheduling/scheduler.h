@@ -123,6 +123,8 @@ class Scheduler {
   [[nodiscard]] bool IsCurrent(const Lease& lease) const { return GrantedAt(lease).has_value(); }
   /// Tasks that wait for a worker or for the end of their back-off.
   [[nodiscard]] int64_t ReadyCount() const;
+  /// Those that Grant could hand out now: not of paused jobs, not in their back-off.
+  [[nodiscard]] int64_t GrantableCount() const;
   [[nodiscard]] int64_t LeasedCount() const { return leased_count_; }
   /// Leases taken back since the last call because their workers were silent or did not get on.
   [[nodiscard]] std::vector<LostLease> TakeLost() { return std::exchange(lost_, {}); }

@@ -79,6 +79,14 @@ int64_t Scheduler::ReadyCount() const {
   return ready_count_ + static_cast<int64_t>(waiting_.size());
 }
 
+int64_t Scheduler::GrantableCount() const {
+  int64_t count = 0;
+  for (const JobId& job : jobs_with_ready_) {
+    count += jobs_.at(job).ready.Size();
+  }
+  return count;
+}
+
 int64_t Scheduler::OpenCount(const JobId& job) const {
   const auto found = jobs_.find(job);
   return found == jobs_.end()

@@ -137,6 +137,8 @@ TEST(SchedulerJobs, ThatArePausedGetNothingButKeepWhatIsOut) {
   const Lease lease = scheduler.Grant(kAnna, 1, At(0))[0];
   scheduler.SetJob(kA, {.priority = 0, .is_paused = true, .traits_of = nullptr});
   EXPECT_FALSE(scheduler.HasReadyTask(At(0)));
+  EXPECT_EQ(scheduler.ReadyCount(), 2);
+  EXPECT_EQ(scheduler.GrantableCount(), 0);
   EXPECT_THAT(scheduler.Grant(kBert, 1, At(500)), IsEmpty());
   EXPECT_THAT(scheduler.Renew(kAnna, {{lease, 1}}, At(500)).lost, IsEmpty());
   EXPECT_FALSE(scheduler.Fail(lease, true, At(500)));

@@ -55,6 +55,7 @@ TEST(SchedulerGrant, HandsOutTasksInNumberOrderHoweverTheyCame) {
     scheduler.AddTask({kA, number});
   }
   EXPECT_EQ(scheduler.ReadyCount(), 3);
+  EXPECT_EQ(scheduler.GrantableCount(), 3);
   EXPECT_THAT(scheduler.Grant(kAnna, 2, At(0)), ElementsAre(L(kA, 2, 1), L(kA, 5, 1)));
   EXPECT_EQ(scheduler.ReadyCount(), 1);
   EXPECT_EQ(scheduler.LeasedCount(), 2);
