@@ -35,6 +35,7 @@ std::vector<Lease> Renew(Scheduler& scheduler,
                          MonotonicTime now) {
   static int64_t ticks = 0;
   std::vector<HeldTask> held;
+  held.reserve(leases.size());
   for (const Lease& lease : leases) {
     held.push_back({.lease = lease, .ticks = ++ticks});
   }
