@@ -4,7 +4,7 @@
 #   usage: tests/bench/run.sh [--quick] [--check] [--readme] [--no-install] [FLAG...]
 #     --quick       under 50 s after the build: fewer rounds and meshes, not the service
 #     --check       exit status 1 if a row falls short of issues 3 and 4; names it
-#     --readme      writes the table into tests/bench/README.md
+#     --readme      writes the table into tests/bench/README.md, and what README.md shows of it
 #     --no-install  goes on with the rivals that are installed
 #     FLAG          Google Benchmark's, e.g. --benchmark_filter=nearest --benchmark_out=FILE.json
 set -euo pipefail
@@ -115,7 +115,7 @@ if [ -s "$table.rows" ]; then
   { echo "$machine"; echo; cat "$table.rows"; } >"$table"
   rm "$table.rows"
   cat "$table"
-  [ "$write_readme" -eq 0 ] || write_table
+  [ "$write_readme" -eq 0 ] || { write_table; python3 tests/tools/readme_figures.py; }
 fi
 grep '^falls short' "$build/table.out" || true
 say "took $((SECONDS - start)) s after the build"
