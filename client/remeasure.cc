@@ -71,9 +71,13 @@ class Remeasurer {
   }
 
  private:
-  bool HasWeights() const { return options_.measure.by_area || options_.region.has_value(); }
-  bool IsPlain() const { return options_.measure.IsPlainMetric() && !options_.region; }
-  const CompareOptions& Compare() const { return frame_.GetJob().spec.compare; }
+  [[nodiscard]] bool HasWeights() const {
+    return options_.measure.by_area || options_.region.has_value();
+  }
+  [[nodiscard]] bool IsPlain() const {
+    return options_.measure.IsPlainMetric() && !options_.region;
+  }
+  [[nodiscard]] const CompareOptions& Compare() const { return frame_.GetJob().spec.compare; }
   /// Why what was kept cannot answer; empty if it can. Sets result_.retention.
   absl::StatusOr<std::string> WhyNotKept();
   absl::StatusOr<MeasureSource> ChooseSource();
