@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include <absl/strings/str_cat.h>
 
@@ -52,6 +53,11 @@ class IngestStage final : public Stage {
 
   [[nodiscard]] bool IsKnown(const PlanState& state, int64_t task) const override {
     return UnknownMeshes(state, task).empty();
+  }
+
+  /// Nothing has read it before; but the worker that makes a mesh has it decoded for what follows.
+  [[nodiscard]] std::array<int64_t, 2> Reads(const PlanState& state, int64_t task) const override {
+    return {task * BatchSize(state), TaskTraits::kNothing};
   }
 
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <iterator>
 #include <span>
 #include <utility>
@@ -13,8 +14,11 @@ namespace {
 
 /// Of binary and text files alike; only for the progress shown before ingest.
 constexpr double kBytesPerVertex = 60;
-constexpr int64_t kMeshesPerBatchStep = 64;  ///< A job has about 64 batches,
-constexpr int64_t kMaxBatchSize = 16;        ///< more if they would grow beyond this.
+constexpr double kAlignSecondsPerVertex = 4e-7;  ///< One alignment, roughly.
+constexpr double kLeastBatchSeconds = 0.03;  ///< Else handing a batch out would cost a tenth of it,
+constexpr int64_t kLeastBatches = 16;        ///< unless there were fewer batches than these.
+constexpr int64_t kManyBatches = 64;         ///< No more are needed,
+constexpr int64_t kMaxBatchSize = 16;        ///< unless they would grow beyond this.
 constexpr int64_t kNamedRejections = 3;
 
 /// The batch that holds a mesh: those that are kept are consecutive among themselves, and so are
@@ -134,10 +138,18 @@ absl::Status PlanState::ChooseBase() {
 }
 
 int64_t PlanState::BatchSize() const {
-  return std::clamp<int64_t>(ActiveCount() / kMeshesPerBatchStep, 1, kMaxBatchSize);
+  const double mesh_seconds = std::max(1.0, active_vertices) /
+                              static_cast<double>(std::max<int64_t>(1, ActiveCount())) *
+                              kAlignSecondsPerVertex;
+  const auto worthwhile = static_cast<int64_t>(
+      std::ceil(std::min(kLeastBatchSeconds / mesh_seconds, static_cast<double>(kMaxBatchSize))));
+  const int64_t size =
+      std::max(ActiveCount() / kManyBatches, std::min(worthwhile, ActiveCount() / kLeastBatches));
+  return std::clamp<int64_t>(size, 1, kMaxBatchSize);
 }
 
 void PlanState::FormBatches() {
+  active_vertices = VerticesOf(active);
   const int64_t size = BatchSize();
   batches.clear();
   std::vector<int32_t> open;

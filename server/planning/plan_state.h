@@ -64,7 +64,7 @@ struct PlanState {
   /// Takes the mesh that the job names, or else the first that can be used, as base and reference.
   /// @return kFailedPrecondition if the mesh that the job names was rejected.
   [[nodiscard]] absl::Status ChooseBase();
-  /// Meshes of a batch.
+  /// Meshes of a batch. Follows from the meshes alone, so that the sums over batches do too.
   [[nodiscard]] int64_t BatchSize() const;
   /// Divides the active meshes into new batches.
   void FormBatches();

@@ -18,23 +18,25 @@ namespace {
 /// What a file became.
 struct Ingested {
   std::string blob;
+  TriangleMesh mesh;  ///< What the blob decodes to.
   IngestedMesh summary;
 };
 
-void Describe(const TriangleMesh& mesh, IngestedMesh& summary) {
-  summary.vertices = mesh.VertexCount();
-  summary.faces = mesh.FaceCount();
-  const Eigen::Vector3d centroid = CentroidOf(mesh.vertices);
-  summary.centroid = {centroid.x(), centroid.y(), centroid.z()};
+void Describe(Ingested& ingested) {
+  ingested.summary.vertices = ingested.mesh.VertexCount();
+  ingested.summary.faces = ingested.mesh.FaceCount();
+  const Eigen::Vector3d centroid = CentroidOf(ingested.mesh.vertices);
+  ingested.summary.centroid = {centroid.x(), centroid.y(), centroid.z()};
 }
 
 absl::StatusOr<Ingested> IngestCanonical(std::string_view bytes,
                                          const std::string& name,
                                          int position_bits) {
   COHORT_ASSIGN_OR_RETURN(CanonicalMesh canonical, MakeCanonical(bytes, name, position_bits));
-  Ingested ingested{.blob = std::move(canonical.blob), .summary = {}};
+  Ingested ingested{
+      .blob = std::move(canonical.blob), .mesh = std::move(canonical.mesh), .summary = {}};
   ingested.summary.health = std::move(canonical.health);
-  Describe(canonical.mesh, ingested.summary);
+  Describe(ingested);
   return ingested;
 }
 
@@ -69,10 +71,9 @@ absl::StatusOr<Ingested> KeepAsInFile(std::string_view bytes, const std::string&
                               "as in the predecessor, all distances of this mesh are NaN");
   }
   ingested.blob = EncodeFileMeshBlob(file);
-  TriangleMesh as_in_file;
-  as_in_file.vertices = file.vertices.cast<double>();
-  as_in_file.faces = file.faces;
-  Describe(as_in_file, ingested.summary);
+  ingested.mesh.vertices = file.vertices.cast<double>();
+  ingested.mesh.faces = file.faces;
+  Describe(ingested);
   return ingested;
 }
 
@@ -94,6 +95,7 @@ absl::StatusOr<TaskResult> RunIngestTask(const Task& task, const TaskContext& co
       continue;
     }
     COHORT_ASSIGN_OR_RETURN(ingested->summary.blob, context.store.Put(ingested->blob));
+    context.meshes.Keep(ingested->summary.blob, std::move(ingested->mesh));
     ingested->summary.index = input.index;
     result.ingested.push_back(std::move(ingested->summary));
   }

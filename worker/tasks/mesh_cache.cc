@@ -19,6 +19,10 @@ int64_t SizeOf(const TriangleMesh& mesh) {
          mesh.FaceCount() * int64_t{3 * sizeof(int32_t)};
 }
 
+std::string MeshKey(const Digest& blob) {
+  return "mesh " + blob.Hex();
+}
+
 /// The bytes of a similarity and a point: what they place is the same if these are.
 std::string PlaceKey(const Similarity& T, const Eigen::Vector3d& center) {
   Eigen::Matrix<double, 16, 1> numbers;
@@ -49,7 +53,7 @@ absl::StatusOr<std::shared_ptr<const T>> MeshCache::GetOrMake(const std::string&
 }
 
 absl::StatusOr<std::shared_ptr<const TriangleMesh>> MeshCache::Get(const Digest& blob) {
-  return GetOrMake<TriangleMesh>("mesh " + blob.Hex(), [&]() -> absl::StatusOr<Made<TriangleMesh>> {
+  return GetOrMake<TriangleMesh>(MeshKey(blob), [&]() -> absl::StatusOr<Made<TriangleMesh>> {
     COHORT_ASSIGN_OR_RETURN(const std::string bytes, store_.Get(blob));
     absl::StatusOr<TriangleMesh> decoded = DecodeMeshBlob(bytes);
     if (!decoded.ok()) {
@@ -58,6 +62,20 @@ absl::StatusOr<std::shared_ptr<const TriangleMesh>> MeshCache::Get(const Digest&
     }
     auto mesh = std::make_shared<const TriangleMesh>(*std::move(decoded));
     return Made<TriangleMesh>{.value = mesh, .bytes = SizeOf(*mesh)};
+  });
+}
+
+void MeshCache::Keep(const Digest& blob, TriangleMesh mesh) {
+  auto kept = std::make_shared<const TriangleMesh>(std::move(mesh));
+  Insert(MeshKey(blob), kept, SizeOf(*kept));
+}
+
+absl::StatusOr<std::shared_ptr<const PoseShape>> MeshCache::GetPoseShape(const Digest& blob) {
+  return GetOrMake<PoseShape>("pose " + blob.Hex(), [&]() -> absl::StatusOr<Made<PoseShape>> {
+    COHORT_ASSIGN_OR_RETURN(const auto mesh, Get(blob));
+    COHORT_ASSIGN_OR_RETURN(PoseShape made, PoseShape::Create(*mesh));
+    auto shape = std::make_shared<const PoseShape>(std::move(made));
+    return Made<PoseShape>{.value = shape, .bytes = shape->ByteCount()};
   });
 }
 

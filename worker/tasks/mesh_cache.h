@@ -15,6 +15,7 @@
 #include "common/geometry/nearest/correspondence.h"
 #include "common/geometry/nearest/packed_mesh.h"
 #include "common/geometry/nearest/packed_surface.h"
+#include "common/geometry/registration/coarse_pose.h"
 #include "common/geometry/registration/icp_mesh.h"
 #include "common/geometry/registration/similarity.h"
 #include "common/geometry/registration/undersampling.h"
@@ -36,6 +37,11 @@ class MeshCache {
   /// @return as BlobStore::Get and DecodeLandmarkBlob.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const LandmarkTable>> GetLandmarks(
       const Digest& blob);
+  /// Keeps a mesh that this worker has just made, so that it need not decode its blob.
+  void Keep(const Digest& blob, TriangleMesh mesh);
+  /// The mesh as the target of coarse poses.
+  /// @return also as PoseShape::Create.
+  [[nodiscard]] absl::StatusOr<std::shared_ptr<const PoseShape>> GetPoseShape(const Digest& blob);
   /// The mesh as registration reads it, with its open boundary.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const IcpMesh>> GetIcpMesh(const Digest& blob);
   /// The same as a target of these correspondences: with its surface if they need it.

@@ -10,7 +10,7 @@ absl::StatusOr<PoseFinder> PoseFinder::Create(const Task& task,
                                               const TaskContext& context) {
   PoseFinder finder(context);
   if (task.landmarks.empty()) {
-    COHORT_ASSIGN_OR_RETURN(finder.target_mesh_, context.meshes.Get(target.blob));
+    COHORT_ASSIGN_OR_RETURN(finder.target_shape_, context.meshes.GetPoseShape(target.blob));
     return finder;
   }
   COHORT_ASSIGN_OR_RETURN(finder.landmarks_, context.meshes.GetLandmarks(task.landmarks));
@@ -26,7 +26,8 @@ absl::StatusOr<PoseFinder> PoseFinder::Create(const Task& task,
 absl::StatusOr<CoarsePose> PoseFinder::Find(const TaskMesh& mesh) const {
   if (landmarks_ == nullptr) {
     COHORT_ASSIGN_OR_RETURN(const auto shape, context_->meshes.Get(mesh.blob));
-    return FindCoarsePose(*shape, *target_mesh_);
+    COHORT_ASSIGN_OR_RETURN(const PoseShape source, PoseShape::Create(*shape));
+    return FindCoarsePose(source, *target_shape_);
   }
   const auto found = landmarks_->find(mesh.name);
   if (found == landmarks_->end()) {

@@ -15,7 +15,8 @@ namespace cohort {
 class PoseFinder {
  public:
   /// @param target  its blob is used for poses by shape, its name for landmarks.
-  /// @return as MeshCache::Get, GetLandmarks; kFailedPrecondition if the target has no landmarks.
+  /// @return as MeshCache::GetPoseShape, GetLandmarks; kFailedPrecondition if the target has no
+  /// landmarks.
   [[nodiscard]] static absl::StatusOr<PoseFinder> Create(const Task& task,
                                                          const TaskMesh& target,
                                                          const TaskContext& context);
@@ -34,9 +35,9 @@ class PoseFinder {
   explicit PoseFinder(const TaskContext& context) : context_(&context) {}
 
   const TaskContext* context_;
-  std::shared_ptr<const TriangleMesh> target_mesh_;  ///< By shape.
-  std::shared_ptr<const LandmarkTable> landmarks_;   ///< By landmarks; else null.
-  const LandmarkSet* target_landmarks_ = nullptr;    ///< In `landmarks_`.
+  std::shared_ptr<const PoseShape> target_shape_;   ///< By shape.
+  std::shared_ptr<const LandmarkTable> landmarks_;  ///< By landmarks; else null.
+  const LandmarkSet* target_landmarks_ = nullptr;   ///< In `landmarks_`.
   ScaleMode scale_mode_ = ScaleMode::kOff;
 };
 

@@ -4,17 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "common/base/status_macros.h"
-#include "common/geometry/mesh/bounds.h"
-#include "common/geometry/nearest/nearest_vertex.h"
+#include "common/geometry/nearest/packet_search.h"
+#include "common/geometry/registration/icp_mesh.h"
 #include "common/geometry/registration/paired_sums.h"
-#include "common/geometry/registration/surface_sample.h"
 
 namespace cohort {
 namespace {
@@ -40,7 +39,7 @@ struct Round {
 constexpr std::array<Round, 3> kRounds = {{{100, 4, 16}, {200, 6, 4}, {600, 8, 1}}};
 
 struct Candidate {
-  Similarity T;         ///< Rigid; from the source about its centroid to the target about Center().
+  Similarity T;         ///< Rigid; from the source to the target, each about its centroid.
   double handicap = 1;  ///< Factor on `score` in the ranking.
   double score = 0;     ///< RMS of the kept points of both meshes.
 };
@@ -48,93 +47,87 @@ struct Candidate {
 /// Sampled points of one mesh and what lies nearest to them on the other.
 class SampledSide {
  public:
-  explicit SampledSide(Eigen::Matrix3Xd points)
-      : points_(std::move(points)),
-        index_(NearestVertex::Build(points_.cast<float>())),
-        queries_(3, points_.cols()),
-        nearest_(static_cast<size_t>(points_.cols())),
-        squared_distances_(nearest_.size()) {}
+  SampledSide(const PackedMesh& points, const PackedMesh& other)
+      : points_(points), other_(other), kept_(AllVertices(points)) {}
 
-  /// Searches `other` for the points of this side, moved there by T_other_this.
-  void LookUp(const Similarity& T_other_this, const SampledSide& other) {
-    for (Eigen::Index i = 0; i < points_.cols(); ++i) {
-      queries_.col(i) = T_other_this.ApplyToPoint(points_.col(i)).cast<float>();
+  /// Searches the other mesh for the points of this side, moved there by T_other_this.
+  /// @return sums over the pairs that are kept; a on this side, b on the other.
+  PairSums LookUp(const Similarity& T_other_this, SearchSeed seed, PacketSearch& search) {
+    search.FindMoved(points_, ToTransform(T_other_this), other_, seed, nearest_);
+    const std::span<const float> distances(nearest_.squared_distances.data(),
+                                           static_cast<size_t>(points_.VertexCount()));
+    const float largest_kept = LargestKept(distances);
+    std::fill(kept_.data(), kept_.data() + kept_.size(), uint16_t{0});
+    for (size_t slot = 0; slot < distances.size(); ++slot) {
+      const auto bit = static_cast<uint16_t>(distances[slot] <= largest_kept ? 1U : 0U);
+      uint16_t& lanes = kept_[slot / PackedMesh::kLanes];
+      lanes = static_cast<uint16_t>(lanes | bit << (slot % PackedMesh::kLanes));
     }
-    other.index_->Find(queries_, nearest_, squared_distances_);
-    partly_sorted_ = squared_distances_;
+    return search.Sum(points_, other_, nearest_, {kept_.data(), kept_.size()});
+  }
+
+  [[nodiscard]] int64_t Count() const { return points_.VertexCount(); }
+
+ private:
+  float LargestKept(std::span<const float> distances) {
+    partly_sorted_.assign(distances.begin(), distances.end());
     const auto kept = static_cast<std::ptrdiff_t>(kKeptShare * static_cast<double>(Count()));
     const auto last = partly_sorted_.begin() + std::max(kept, std::ptrdiff_t{1}) - 1;
     std::nth_element(partly_sorted_.begin(), last, partly_sorted_.end());
-    largest_kept_ = *last;
+    return *last;
   }
 
-  /// Calls visit(point of this side, its nearest point of the other, squared distance) for the
-  /// pairs that are kept, in index order.
-  template <class Visitor>
-  void ForEachKept(const SampledSide& other, Visitor visit) const {
-    for (Eigen::Index i = 0; i < points_.cols(); ++i) {
-      const float squared_distance = squared_distances_[static_cast<size_t>(i)];
-      if (squared_distance <= largest_kept_) {
-        visit(points_.col(i), other.points_.col(nearest_[static_cast<size_t>(i)]),
-              squared_distance);
-      }
-    }
-  }
-
-  [[nodiscard]] int64_t Count() const { return points_.cols(); }
-
- private:
-  Eigen::Matrix3Xd points_;
-  std::unique_ptr<const NearestVertex> index_;
-  Eigen::Matrix3Xf queries_;
-  std::vector<int32_t> nearest_;
-  std::vector<float> squared_distances_;
+  const PackedMesh& points_;
+  const PackedMesh& other_;
+  NearestSlots nearest_;
+  AlignedArray<uint16_t> kept_;
   std::vector<float> partly_sorted_;
-  float largest_kept_ = 0;
 };
+
+double MeanSquare(const PairSums& sums) {
+  return sums.squared_distance / static_cast<double>(sums.count);
+}
+
+/// Pairs of both directions as pairs of source and target. `back` has them the other way around,
+/// with the same distances: the pose is rigid.
+PairSums BothWays(PairSums sums, const PairSums& back) {
+  sums.count += back.count;
+  sums.a += back.b;
+  sums.b += back.a;
+  sums.aa += back.bb;
+  sums.bb += back.aa;
+  sums.ba += back.ba.transpose();
+  return sums;
+}
 
 /// Improves rigid poses by trimmed ICP that looks both ways: from the source alone, a part of it
 /// could slide along a larger target without losing anything.
 class PoseRefiner {
  public:
-  PoseRefiner(Eigen::Matrix3Xd source_points, Eigen::Matrix3Xd target_points)
-      : source_(std::move(source_points)), target_(std::move(target_points)) {}
+  PoseRefiner(const PackedMesh& source, const PackedMesh& target, PacketSearch& search)
+      : source_(source, target), target_(target, source), search_(search) {}
 
   absl::Status Refine(int passes, Candidate& candidate) {
-    for (int pass = 0; pass < passes; ++pass) {
-      LookUp(candidate.T);
-      PairedSums sums;
-      source_.ForEachKept(target_, [&](const auto& a, const auto& b, float) { sums.Add(a, b); });
-      target_.ForEachKept(source_, [&](const auto& b, const auto& a, float) { sums.Add(a, b); });
-      COHORT_ASSIGN_OR_RETURN(candidate.T, sums.Fit(ScaleMode::kOff));
+    SearchSeed seed = SearchSeed::kDescent;
+    for (int pass = 0;; ++pass) {
+      const PairSums there = source_.LookUp(candidate.T, seed, search_);
+      const PairSums back = target_.LookUp(candidate.T.Inverse(), seed, search_);
+      lookups_ += source_.Count() + target_.Count();
+      if (pass == passes) {
+        candidate.score = std::sqrt(0.5 * (MeanSquare(there) + MeanSquare(back)));
+        return absl::OkStatus();
+      }
+      COHORT_ASSIGN_OR_RETURN(candidate.T, PairedSums(BothWays(there, back)).Fit(ScaleMode::kOff));
+      seed = SearchSeed::kPrevious;
     }
-    LookUp(candidate.T);
-    candidate.score =
-        std::sqrt(0.5 * (KeptMeanSquare(source_, target_) + KeptMeanSquare(target_, source_)));
-    return absl::OkStatus();
   }
 
   [[nodiscard]] int64_t Lookups() const { return lookups_; }
 
  private:
-  void LookUp(const Similarity& T_target_source) {
-    source_.LookUp(T_target_source, target_);
-    target_.LookUp(T_target_source.Inverse(), source_);
-    lookups_ += source_.Count() + target_.Count();
-  }
-
-  static double KeptMeanSquare(const SampledSide& side, const SampledSide& other) {
-    double sum = 0;
-    int64_t count = 0;
-    side.ForEachKept(other, [&](const auto&, const auto&, float squared_distance) {
-      sum += double{squared_distance};
-      ++count;
-    });
-    return sum / static_cast<double>(count);
-  }
-
   SampledSide source_;
   SampledSide target_;
+  PacketSearch& search_;
   int64_t lookups_ = 0;
 };
 
@@ -193,11 +186,8 @@ std::vector<Eigen::Matrix3d> IcosahedralRotations() {
 
 /// Given pose first, then the axes onto the axes, then turns in between: borders and near-equal
 /// extents can turn the axes of a shell by any angle, and ICP finds back from some 40 degrees.
-std::vector<Candidate> FirstCandidates(const PrincipalFrame& source,
-                                       const PrincipalFrame& target,
-                                       const Eigen::Vector3d& target_center) {
+std::vector<Candidate> FirstCandidates(const PrincipalFrame& source, const PrincipalFrame& target) {
   Candidate candidate;
-  candidate.T.translation = target.centroid - target_center;
   candidate.handicap = kGivenPoseHandicap;
   std::vector<Candidate> candidates = {candidate};
   candidate.handicap = 1;
@@ -238,20 +228,34 @@ std::vector<Candidate> BestOf(std::vector<Candidate> candidates, size_t count) {
 
 }  // namespace
 
-absl::StatusOr<CoarsePose> FindCoarsePose(const TriangleMesh& source, const TriangleMesh& target) {
-  const Eigen::Vector3d target_center = CentroidOf(target.vertices);
-  const PrincipalFrame source_frame = PrincipalFrameOf(source);
-  const PrincipalFrame target_frame = PrincipalFrameOf(target);
-  for (const PrincipalFrame* frame : {&source_frame, &target_frame}) {
-    if (!(frame->deviations(2) > 1e-12 * frame->centroid.norm())) {
-      return absl::FailedPreconditionError("coarse pose: a mesh has no extent");
-    }
+absl::StatusOr<PoseShape> PoseShape::Create(const TriangleMesh& mesh) {
+  const SurfaceSampler sampler(mesh);
+  PoseShape shape(sampler.Frame());
+  if (!(shape.frame_.deviations(2) > 1e-12 * shape.frame_.centroid.norm())) {
+    return absl::FailedPreconditionError("coarse pose: a mesh has no extent");
   }
-  std::vector<Candidate> candidates = FirstCandidates(source_frame, target_frame, target_center);
-  CoarsePose pose;
   for (const Round& round : kRounds) {
-    PoseRefiner refiner(SampleSurface(source, round.points).colwise() - source_frame.centroid,
-                        SampleSurface(target, round.points).colwise() - target_center);
+    const Eigen::Matrix3Xd points = sampler.Sample(round.points).colwise() - shape.frame_.centroid;
+    shape.samples_.emplace_back(points.cast<float>());
+  }
+  return shape;
+}
+
+int64_t PoseShape::ByteCount() const {
+  int64_t bytes = 0;
+  for (const PackedMesh& sample : samples_) {
+    bytes += sample.ByteCount();
+  }
+  return bytes;
+}
+
+absl::StatusOr<CoarsePose> FindCoarsePose(const PoseShape& source, const PoseShape& target) {
+  std::vector<Candidate> candidates = FirstCandidates(source.Frame(), target.Frame());
+  PacketSearch search;
+  CoarsePose pose;
+  for (size_t i = 0; i < kRounds.size(); ++i) {
+    const Round& round = kRounds.at(i);
+    PoseRefiner refiner(source.Samples()[i], target.Samples()[i], search);
     for (Candidate& candidate : candidates) {
       COHORT_RETURN_IF_ERROR(refiner.Refine(round.passes, candidate));
     }
@@ -261,8 +265,15 @@ absl::StatusOr<CoarsePose> FindCoarsePose(const TriangleMesh& source, const Tria
   const Candidate& winner = candidates.front();
   pose.score = winner.score;
   pose.T_target_source = winner.T;
-  pose.T_target_source.translation = winner.T.ApplyToPoint(-source_frame.centroid) + target_center;
+  pose.T_target_source.translation =
+      winner.T.ApplyToPoint(-source.Frame().centroid) + target.Frame().centroid;
   return pose;
+}
+
+absl::StatusOr<CoarsePose> FindCoarsePose(const TriangleMesh& source, const TriangleMesh& target) {
+  COHORT_ASSIGN_OR_RETURN(const PoseShape source_shape, PoseShape::Create(source));
+  COHORT_ASSIGN_OR_RETURN(const PoseShape target_shape, PoseShape::Create(target));
+  return FindCoarsePose(source_shape, target_shape);
 }
 
 }  // namespace cohort

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "common/geometry/mesh/triangle_mesh.h"
@@ -14,11 +16,24 @@ struct PrincipalFrame {
   Eigen::Vector3d deviations = Eigen::Vector3d::Zero();  ///< RMS along each axis, ascending.
 };
 
-[[nodiscard]] PrincipalFrame PrincipalFrameOf(const TriangleMesh& mesh);
+/// A mesh as an area: its frame, and points spread over it. Lives no longer than the mesh.
+class SurfaceSampler {
+ public:
+  explicit SurfaceSampler(const TriangleMesh& mesh);
 
-/// `count` points spread over the surface by area, 3 x count (a point cloud: by vertex; all
-/// vertices if there are no more). They depend on the order of the faces but not on the pose: the
-/// same mesh moved gives the same points moved.
-[[nodiscard]] Eigen::Matrix3Xd SampleSurface(const TriangleMesh& mesh, Eigen::Index count);
+  [[nodiscard]] PrincipalFrame Frame() const;
+
+  /// `count` points spread over the surface by area, 3 x count (a point cloud: by vertex; all
+  /// vertices if there are no more). They depend on the order of the faces but not on the pose: the
+  /// same mesh moved gives the same points moved.
+  [[nodiscard]] Eigen::Matrix3Xd Sample(Eigen::Index count) const;
+
+ private:
+  [[nodiscard]] bool HasArea() const { return total_area_ > 0; }
+
+  const TriangleMesh& mesh_;
+  std::vector<double> areas_;  ///< Of the faces.
+  double total_area_ = 0;
+};
 
 }  // namespace cohort

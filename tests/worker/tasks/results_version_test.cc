@@ -32,19 +32,19 @@ std::string OutputsOf(const JobSpec& spec) {
 // kResultsVersion (common/jobs/action_key.h), so that results of earlier builds are not mixed with
 // new ones, and write the new names here.
 TEST(ResultsVersion, GrowsWheneverTheBytesOfResultsChange) {
-  EXPECT_EQ(kResultsVersion, 2);
+  EXPECT_EQ(kResultsVersion, 3);
   JobSpec average = testing::QuickSpec(Method::kAverage);
   average.preview = true;
   average.compare.retention = Retention::kVectors;
-  EXPECT_EQ(OutputsOf(average), "2bec657c36cede2f");
+  EXPECT_EQ(OutputsOf(average), "e4202ac8da09d738");
   JobSpec one = testing::QuickSpec(Method::kOne);
   one.compare.retention = Retention::kSketch;
   one.icp.correspondence = Correspondence::kSurface;
   one.compare.correspondence = Correspondence::kSurface;
-  EXPECT_EQ(OutputsOf(one), "6639ac523373962b");
+  EXPECT_EQ(OutputsOf(one), "dc1d6413a3bf832c");
   JobSpec each = testing::QuickSpec(Method::kEach);
   each.compare.retention = Retention::kCompact;
-  EXPECT_EQ(OutputsOf(each), "49a4a7ffe224288b");
+  EXPECT_EQ(OutputsOf(each), "46a072ab37f75e81");
   EXPECT_EQ(OutputsOf(FidentisSpec(Method::kAverage)), "3c112cf13a605ca3");
 }
 

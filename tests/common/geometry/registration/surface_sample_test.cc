@@ -36,7 +36,15 @@ TriangleMesh UnevenRectangle(double a, double b, int cells) {
   return mesh;
 }
 
-TEST(SampleSurface, SpreadsThePointsByArea) {
+Eigen::Matrix3Xd SampleSurface(const TriangleMesh& mesh, Eigen::Index count) {
+  return SurfaceSampler(mesh).Sample(count);
+}
+
+PrincipalFrame FrameOf(const TriangleMesh& mesh) {
+  return SurfaceSampler(mesh).Frame();
+}
+
+TEST(SurfaceSampler, SpreadsThePointsByArea) {
   const Eigen::Matrix3Xd points = SampleSurface(UnevenRectangle(10, 7, 20), 1000);
   ASSERT_EQ(points.cols(), 1000);
   EXPECT_NEAR(static_cast<double>((points.row(0).array() > 10).count()), 500, 1);
@@ -44,7 +52,7 @@ TEST(SampleSurface, SpreadsThePointsByArea) {
   EXPECT_NEAR(static_cast<double>((points.row(1).array() > 3.5).count()), 500, 20);
 }
 
-TEST(SampleSurface, StaysOnTheSurface) {
+TEST(SurfaceSampler, StaysOnTheSurface) {
   const Eigen::Matrix3Xd points = SampleSurface(UnevenRectangle(10, 7, 20), 1000);
   EXPECT_GE(points.row(0).minCoeff(), 0);
   EXPECT_LE(points.row(0).maxCoeff(), 20);
@@ -53,7 +61,7 @@ TEST(SampleSurface, StaysOnTheSurface) {
   EXPECT_TRUE(points.row(2).isZero(0));
 }
 
-TEST(SampleSurface, MovesWithTheMesh) {
+TEST(SurfaceSampler, MovesWithTheMesh) {
   const TriangleMesh mesh = BumpySurface(20);
   const Similarity T = MakeSimilarity(1, 100, {1, 2, 3}, {4, 5, 6});
   TriangleMesh moved = mesh;
@@ -61,16 +69,16 @@ TEST(SampleSurface, MovesWithTheMesh) {
   EXPECT_TRUE(SampleSurface(moved, 300).isApprox(T.Apply(SampleSurface(mesh, 300)), 1e-9));
 }
 
-TEST(SampleSurface, TakesVerticesOfAPointCloud) {
+TEST(SurfaceSampler, TakesVerticesOfAPointCloud) {
   TriangleMesh cloud = BumpySurface(20);
   cloud.faces.resize(3, 0);
   EXPECT_EQ(SampleSurface(cloud, 100).cols(), 100);
   EXPECT_EQ(SampleSurface(cloud, 1000), cloud.vertices);
 }
 
-TEST(PrincipalFrameOf, DoesNotDependOnDensity) {
+TEST(SurfaceSamplerFrame, DoesNotDependOnDensity) {
   // Closed form of a 20 x 7 rectangle: variance of a uniform distribution, length^2 / 12.
-  const PrincipalFrame frame = PrincipalFrameOf(UnevenRectangle(10, 7, 40));
+  const PrincipalFrame frame = FrameOf(UnevenRectangle(10, 7, 40));
   EXPECT_TRUE(frame.centroid.isApprox(Eigen::Vector3d(10, 3.5, 0), 1e-12));
   EXPECT_NEAR(frame.deviations(0), 0, 1e-9);
   EXPECT_NEAR(frame.deviations(1), 7 / std::sqrt(12), 1e-9);
@@ -78,13 +86,13 @@ TEST(PrincipalFrameOf, DoesNotDependOnDensity) {
   EXPECT_NEAR(std::abs(frame.axes(0, 2)), 1, 1e-9);
 }
 
-TEST(PrincipalFrameOf, IsARotationThatTurnsWithTheMesh) {
+TEST(SurfaceSamplerFrame, IsARotationThatTurnsWithTheMesh) {
   const TriangleMesh mesh = BumpySurface(20);
   const Similarity T = MakeSimilarity(1, 100, {1, 2, 3}, {4, 5, 6});
   TriangleMesh moved = mesh;
   moved.vertices = T.Apply(mesh.vertices);
-  const PrincipalFrame frame = PrincipalFrameOf(mesh);
-  const PrincipalFrame moved_frame = PrincipalFrameOf(moved);
+  const PrincipalFrame frame = FrameOf(mesh);
+  const PrincipalFrame moved_frame = FrameOf(moved);
   EXPECT_NEAR(frame.axes.determinant(), 1, 1e-12);
   EXPECT_NEAR(moved_frame.axes.determinant(), 1, 1e-12);
   EXPECT_TRUE(moved_frame.centroid.isApprox(T.ApplyToPoint(frame.centroid), 1e-12));
