@@ -38,6 +38,10 @@ struct Round {
 // Measured on generated (rough) faces, averages of scans and femurs, whole and cropped by 15-30 %.
 constexpr std::array<Round, 3> kRounds = {{{100, 4, 16}, {200, 6, 4}, {600, 8, 1}}};
 
+/// The winner is improved until its score rests, but no longer than this.
+constexpr int kMostPasses = 200;
+constexpr double kRestShare = 1e-5;
+
 struct Candidate {
   Similarity T;         ///< Rigid; from the source to the target, each about its centroid.
   double handicap = 1;  ///< Factor on `score` in the ranking.
@@ -107,14 +111,25 @@ class PoseRefiner {
   PoseRefiner(const PackedMesh& source, const PackedMesh& target, PacketSearch& search)
       : source_(source, target), target_(target, source), search_(search) {}
 
-  absl::Status Refine(int passes, Candidate& candidate) {
+  absl::Status Refine(int passes, Candidate& candidate) { return Run(passes, 0, candidate); }
+
+  /// Goes on until the pose rests, so that starts of one basin end in one pose.
+  absl::Status Settle(Candidate& candidate) { return Run(kMostPasses, kRestShare, candidate); }
+
+  [[nodiscard]] int64_t Lookups() const { return lookups_; }
+
+ private:
+  /// @param rest_share  it rests once the score changes by less than this share of it.
+  absl::Status Run(int passes, double rest_share, Candidate& candidate) {
     SearchSeed seed = SearchSeed::kDescent;
     for (int pass = 0;; ++pass) {
       const PairSums there = source_.LookUp(candidate.T, seed, search_);
       const PairSums back = target_.LookUp(candidate.T.Inverse(), seed, search_);
       lookups_ += source_.Count() + target_.Count();
-      if (pass == passes) {
-        candidate.score = std::sqrt(0.5 * (MeanSquare(there) + MeanSquare(back)));
+      const double score = std::sqrt(0.5 * (MeanSquare(there) + MeanSquare(back)));
+      const bool rests = pass > 0 && std::abs(score - candidate.score) < rest_share * score;
+      candidate.score = score;
+      if (rests || pass == passes) {
         return absl::OkStatus();
       }
       COHORT_ASSIGN_OR_RETURN(candidate.T, PairedSums(BothWays(there, back)).Fit(ScaleMode::kOff));
@@ -122,9 +137,6 @@ class PoseRefiner {
     }
   }
 
-  [[nodiscard]] int64_t Lookups() const { return lookups_; }
-
- private:
   SampledSide source_;
   SampledSide target_;
   PacketSearch& search_;
@@ -259,8 +271,11 @@ absl::StatusOr<CoarsePose> FindCoarsePose(const PoseShape& source, const PoseSha
     for (Candidate& candidate : candidates) {
       COHORT_RETURN_IF_ERROR(refiner.Refine(round.passes, candidate));
     }
-    pose.lookups += refiner.Lookups();
     candidates = BestOf(std::move(candidates), round.survivors);
+    if (round.survivors == 1) {
+      COHORT_RETURN_IF_ERROR(refiner.Settle(candidates.front()));
+    }
+    pose.lookups += refiner.Lookups();
   }
   const Candidate& winner = candidates.front();
   pose.score = winner.score;

@@ -47,9 +47,10 @@ class PoseShape {
 /// the principal axes of the source onto those of the target, and 48 turns in between
 /// (icosahedral). Each is improved by a few passes of rigid trimmed ICP, both ways, on points
 /// spread over the two surfaces; the best different ones go on with more points; the lowest RMS
-/// wins, the earlier candidate on a tie. The given pose must be 5 % better than the others, so that
-/// the result does not depend on it unless the shape cannot tell. The cost does not depend on the
-/// sizes: some 150000 look-ups among 100 to 600 points. The same bytes on every path.
+/// wins, the earlier candidate on a tie, and is improved until it rests. The given pose must be 5 %
+/// better than the others, so that the result does not depend on it unless the shape cannot tell.
+/// The cost does not depend on the sizes: some 300,000 look-ups among 100 to 600 points. The same
+/// bytes on every path.
 /// @return kFailedPrecondition if a fit fails.
 /// Source: ours.
 [[nodiscard]] absl::StatusOr<CoarsePose> FindCoarsePose(const PoseShape& source,

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -23,12 +26,15 @@ constexpr double kLargestScaleChange = 10.0;
 
 /// The rigid motion that comes first need not be exact.
 constexpr double kRigidTolerance = 0.02;
-/// Nor need the run over a few vertices, which is off by their scatter anyway.
-constexpr double kCoarseTolerance = 1e-4;
+/// The run over a few vertices is off by their scatter, but where it ends must not depend on
+/// roundings: from there the run over all goes on.
+constexpr double kCoarseTolerance = 1e-5;
 /// It takes less to see which of two starts is the better one.
 constexpr double kTrialTolerance = 5e-3;
-/// One vertex of each leaf.
-constexpr int kCoarseStride = PackedMesh::kLanes;
+/// Of so many consecutive vertices one: the k-th of them 7 k further in, so that those of a grid do
+/// not fall into few of its columns.
+constexpr uint32_t kCoarseStride = 16;
+constexpr uint32_t kCoarseShift = 7;
 constexpr int kFewestCoarseVertices = 64;
 /// Starts whose scales differ less are the same.
 constexpr double kLeastScaleChange = 0.02;
@@ -136,7 +142,7 @@ absl::StatusOr<Outcome> IterateInPhases(const StopRule& stop,
 /// Counting passes means counting them all, and the textbook's run knows no other.
 bool StartsCoarse(const IcpMesh& source, const IcpOptions& options) {
   return options.acceleration != Acceleration::kNone && options.tolerance > 0 &&
-         source.Packed().VertexCount() >= kCoarseStride * kFewestCoarseVertices;
+         source.Packed().VertexCount() >= int{kCoarseStride} * kFewestCoarseVertices;
 }
 
 /// The same vertices as seen from another origin: T takes x, the result x + `origin` - `moved_to`.
@@ -147,37 +153,50 @@ Similarity WithSourceOrigin(Similarity T,
   return T;
 }
 
-/// One vertex of each leaf, in the packed frame.
-IcpMesh CoarseMesh(const PackedMesh& packed) {
-  Eigen::Matrix3Xd chosen(3, packed.VertexCount() / kCoarseStride);
+/// Slots of a sixteenth of the vertices. They follow from the order of the vertices and not from
+/// where they lie: a mesh that was turned has the same, and settles in the same place.
+std::vector<int> CoarseSlots(const PackedMesh& packed) {
+  std::vector<int> slots;
+  slots.reserve(static_cast<size_t>(packed.VertexCount()) / kCoarseStride + 1);
+  const std::span<const int32_t> vertices = packed.VertexOfSlot();
+  for (int slot = 0; slot < packed.VertexCount(); ++slot) {
+    const auto vertex = static_cast<uint32_t>(vertices[static_cast<size_t>(slot)]);
+    if (vertex % kCoarseStride == vertex / kCoarseStride * kCoarseShift % kCoarseStride) {
+      slots.push_back(slot);
+    }
+  }
+  return slots;
+}
+
+/// The vertices that stand for all, in the packed frame.
+IcpMesh CoarseMesh(const PackedMesh& packed, const std::vector<int>& slots) {
+  Eigen::Matrix3Xd chosen(3, std::ssize(slots));
   for (Eigen::Index i = 0; i < chosen.cols(); ++i) {
-    const auto slot = static_cast<int>(i) * kCoarseStride + kCoarseStride / 2;
-    chosen.col(i) = packed.PointOfSlot(slot).cast<double>();
+    chosen.col(i) = packed.PointOfSlot(slots[static_cast<size_t>(i)]).cast<double>();
   }
   return IcpMesh(chosen);
 }
 
-/// RMS distance of the vertices from the center, over one vertex of each leaf.
-double RadiusOf(const PackedMesh& packed) {
+/// RMS distance of the vertices from the center, over those that stand for all.
+double RadiusOf(const PackedMesh& packed, const std::vector<int>& slots) {
   double sum = 0;
-  int count = 0;
-  for (int slot = 0; slot < packed.VertexCount(); slot += kCoarseStride) {
+  for (const int slot : slots) {
     sum += packed.PointOfSlot(slot).cast<double>().squaredNorm();
-    ++count;
   }
-  return std::sqrt(sum / count);
+  return std::sqrt(sum / static_cast<double>(slots.size()));
 }
 
 /// The start, and where the scale is free also the start with the scale that makes the meshes
 /// equally large: from the wrong size ICP may settle with a part of one mesh on a part of the
 /// other.
-std::vector<Similarity> CoarseStarts(const PackedMesh& source,
+std::vector<Similarity> CoarseStarts(double source_radius,
                                      const PackedMesh& target,
                                      const Similarity& pose,
                                      const ScaleRule& rule) {
   std::vector<Similarity> starts = {pose};
   if (rule.mode != ScaleMode::kOff) {
-    const double scale = std::clamp(RadiusOf(target) / RadiusOf(source), rule.least, rule.greatest);
+    const double scale = std::clamp(RadiusOf(target, CoarseSlots(target)) / source_radius,
+                                    rule.least, rule.greatest);
     const double change = scale / pose.scale;  // NaN or infinite where a mesh has no extent.
     if (CheckScale(scale, pose.scale).ok() && std::abs(change - 1) > kLeastScaleChange) {
       starts.push_back(pose);
@@ -187,8 +206,8 @@ std::vector<Similarity> CoarseStarts(const PackedMesh& source,
   return starts;
 }
 
-/// Brings `pose` near the end at little cost: aligns one vertex of each leaf of the source, the
-/// better of the starts to the end.
+/// Brings `pose` near the end at little cost: aligns a sixteenth of the source, the better
+/// of the starts to the end.
 /// @return false, and `pose` as it was, where those few cannot be aligned.
 bool AlignCoarsely(const IcpMesh& source,
                    const IcpMesh& target,
@@ -196,13 +215,15 @@ bool AlignCoarsely(const IcpMesh& source,
                    PacketSearch& search,
                    Similarity& pose,
                    int64_t& lookups) {
-  const IcpMesh coarse = CoarseMesh(source.Packed());
+  const std::vector<int> slots = CoarseSlots(source.Packed());
+  const IcpMesh coarse = CoarseMesh(source.Packed(), slots);
+  const double radius = RadiusOf(source.Packed(), slots);
   const double start_scale = pose.scale;
   const ScaleRule rule = RuleFor(options, start_scale);
   StopRule stop = {.relative_tolerance = kTrialTolerance, .distance = &Distances::rms};
   std::optional<Similarity> nearest;
   double least_error = std::numeric_limits<double>::infinity();
-  for (const Similarity& start : CoarseStarts(source.Packed(), target.Packed(), pose, rule)) {
+  for (const Similarity& start : CoarseStarts(radius, target.Packed(), pose, rule)) {
     IcpRun run(coarse, target, options, search);
     Similarity found = WithSourceOrigin(start, Eigen::Vector3d::Zero(), coarse.Center());
     const auto outcome = IterateInPhases(stop, start_scale, options, run, found, nullptr);

@@ -36,15 +36,15 @@ TEST(ResultsVersion, GrowsWheneverTheBytesOfResultsChange) {
   JobSpec average = testing::QuickSpec(Method::kAverage);
   average.preview = true;
   average.compare.retention = Retention::kVectors;
-  EXPECT_EQ(OutputsOf(average), "e4202ac8da09d738");
+  EXPECT_EQ(OutputsOf(average), "8de5c3ff147a7dfe");
   JobSpec one = testing::QuickSpec(Method::kOne);
   one.compare.retention = Retention::kSketch;
   one.icp.correspondence = Correspondence::kSurface;
   one.compare.correspondence = Correspondence::kSurface;
-  EXPECT_EQ(OutputsOf(one), "dc1d6413a3bf832c");
+  EXPECT_EQ(OutputsOf(one), "49ea6ba8ac00e5f0");
   JobSpec each = testing::QuickSpec(Method::kEach);
   each.compare.retention = Retention::kCompact;
-  EXPECT_EQ(OutputsOf(each), "46a072ab37f75e81");
+  EXPECT_EQ(OutputsOf(each), "9d066af9ba154cc6");
   EXPECT_EQ(OutputsOf(FidentisSpec(Method::kAverage)), "3c112cf13a605ca3");
 }
 
