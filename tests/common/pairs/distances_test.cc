@@ -45,10 +45,10 @@ struct Pair {
   Similarity T = SomePose();
   Eigen::Vector3d center = b.vertices.rowwise().mean();
 
-  PairMesh MadeA(const PairMeshOptions& options) const {
+  [[nodiscard]] PairMesh MadeA(const PairMeshOptions& options) const {
     return MakePairMesh(a, T, center, options).value();
   }
-  PairMesh MadeB(const PairMeshOptions& options) const {
+  [[nodiscard]] PairMesh MadeB(const PairMeshOptions& options) const {
     return MakePairMesh(b, Similarity{}, center, options).value();
   }
 };
