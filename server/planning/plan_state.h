@@ -25,11 +25,11 @@ struct Batch {
 /// results alone, never from the workers.
 struct PlanState {
   JobSpec spec;
-  std::vector<JobMesh> meshes;     ///< In the job's order.
-  std::vector<int32_t> active;     ///< Meshes still in the job, ascending.
-  double active_vertices = 0;      ///< Of all active meshes; as it was when the step began.
-  std::vector<Batch> batches;      ///< All active meshes, in order. Provisional until ingest ends.
-  int32_t base = 0;                ///< The base mesh. Provisional until ingest ends.
+  std::vector<JobMesh> meshes;  ///< In the job's order.
+  std::vector<int32_t> active;  ///< Meshes still in the job, ascending.
+  double active_vertices = 0;  ///< Of the active meshes when the step began or batches were formed.
+  std::vector<Batch> batches;  ///< All active meshes, in order. Provisional until ingest ends.
+  int32_t base = 0;            ///< The base mesh. Provisional until ingest ends.
   bool mean_has_settled = false;   ///< The last round moved the mean shape by no more than asked.
   Digest reference;                ///< Newest reference: the base mesh or the last mean shape.
   std::vector<int32_t> kept;       ///< Meshes whose alignments a reference job made, ascending.

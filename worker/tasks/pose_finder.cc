@@ -25,9 +25,9 @@ absl::StatusOr<PoseFinder> PoseFinder::Create(const Task& task,
 
 absl::StatusOr<CoarsePose> PoseFinder::Find(const TaskMesh& mesh) const {
   if (landmarks_ == nullptr) {
-    COHORT_ASSIGN_OR_RETURN(const auto shape, context_->meshes.Get(mesh.blob));
-    COHORT_ASSIGN_OR_RETURN(const PoseShape source, PoseShape::Create(*shape));
-    return FindCoarsePose(source, *target_shape_);
+    COHORT_ASSIGN_OR_RETURN(const auto source, context_->meshes.Get(mesh.blob));
+    COHORT_ASSIGN_OR_RETURN(const PoseShape source_shape, PoseShape::Create(*source));
+    return FindCoarsePose(source_shape, *target_shape_);
   }
   const auto found = landmarks_->find(mesh.name);
   if (found == landmarks_->end()) {

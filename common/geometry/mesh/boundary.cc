@@ -26,7 +26,7 @@ void ForEachSide(const TriangleMesh& mesh, Visit visit) {
   }
 }
 
-/// A counting sort: faces name near vertices, so this takes a tenth of the time of sorting pairs.
+/// A counting sort: a vertex has few sides, so that little is left to sort.
 Sides SidesByLowerVertex(const TriangleMesh& mesh) {
   const auto n = static_cast<size_t>(mesh.VertexCount());
   Sides sides{.first = std::vector<int64_t>(n + 2, 0),

@@ -49,7 +49,7 @@ class PoseShape {
 /// spread over the two surfaces; the best different ones go on with more points; the lowest RMS
 /// wins, the earlier candidate on a tie, and is improved until it rests. The given pose must be 5 %
 /// better than the others, so that the result does not depend on it unless the shape cannot tell.
-/// The cost does not depend on the sizes: some 300,000 look-ups among 100 to 600 points. The same
+/// The cost does not depend on the sizes: some 180,000 look-ups among 100 to 600 points. The same
 /// bytes on every path.
 /// @return kFailedPrecondition if a fit fails.
 /// Source: ours.

@@ -32,7 +32,8 @@ std::vector<TriangleMesh> SharedMeshes(const std::string& folder) {
   std::vector<fs::path> files;
   if (fs::exists(path)) {
     for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
-      if (entry.path().extension() == ".ply") {
+      const fs::path extension = entry.path().extension();
+      if (extension == ".ply" || extension == ".obj" || extension == ".stl") {
         files.push_back(entry.path());
       }
     }
@@ -58,7 +59,6 @@ TEST_P(SharedPoses, AllComeBack) {
     GTEST_SKIP() << "../shared/data/" << GetParam() << " is not there";
   }
   Random random(2026);
-  int found = 0;
   for (int i = 0; i < kPoses; ++i) {
     const size_t source = static_cast<size_t>(i) % meshes.size();
     const size_t target =
@@ -77,9 +77,7 @@ TEST_P(SharedPoses, AllComeBack) {
                                           direct->T_target_source.rotation);
     EXPECT_LT(degrees, 0.5) << "mesh " << source << " to mesh " << target << ", RMS "
                             << turned->rms_residual << " against " << direct->rms_residual;
-    found += degrees < 0.5 ? 1 : 0;
   }
-  EXPECT_EQ(found, kPoses);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sets,

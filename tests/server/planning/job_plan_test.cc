@@ -88,6 +88,32 @@ INSTANTIATE_TEST_SUITE_P(Table,
                                            Batching{700, 8, 10, 7},
                                            Batching{1100, 8, 16, 7}));
 
+/// Meshes of the largest task that aligns.
+size_t LargestBatch(int meshes, int64_t vertices) {
+  FakeJob job(meshes);
+  job.vertices = vertices;
+  const auto plan = job.Plan(SpecOf(Method::kOne, PoseMode::kNone));
+  size_t largest = 0;
+  while (!plan->Done()) {
+    for (const Task& task : plan->TakeReadyTasks()) {
+      if (task.kind == TaskKind::kAlign) {
+        largest = std::max(largest, task.meshes.size());
+      }
+      EXPECT_THAT(plan->TaskFinished(task.number, job.ResultOf(task)), IsOk());
+    }
+  }
+  return largest;
+}
+
+TEST(BatchSize, JoinsSmallMeshesButLeavesSixteenBatches) {
+  EXPECT_EQ(LargestBatch(60, 700'000), 1U);
+  EXPECT_EQ(LargestBatch(60, 20'000), 3U);
+  EXPECT_EQ(LargestBatch(8, 5'000), 1U);
+  EXPECT_EQ(LargestBatch(200, 20'000), 4U);  // 4 x 8 ms are enough,
+  EXPECT_EQ(LargestBatch(200, 10'000), 8U);
+  EXPECT_EQ(LargestBatch(200, 1'000), 12U);  // and 200 / 16 the most.
+}
+
 /// Meshes of the largest block of the tiles.
 size_t LargestBlock(int meshes, int64_t vertices) {
   FakeJob job(meshes);
