@@ -46,12 +46,26 @@ absl::StatusOr<std::unique_ptr<LocalCluster>> LocalCluster::Start(
   const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const int threads = options.threads > 0 ? options.threads
                                           : std::max(1, processors / std::max(1, options.workers));
+  std::vector<std::string> worker = {"--server",
+                                     cluster->address_,
+                                     "--store",
+                                     (options.data_dir / "blobs").string(),
+                                     "--threads",
+                                     std::to_string(threads),
+                                     "--drain-seconds",
+                                     "1",
+                                     "--exit-with-parent",
+                                     parent};
+  if (options.workers > 1) {
+    cluster->decoded_ = MemoryFolder::Create();
+  }
+  if (cluster->decoded_ != nullptr) {
+    worker.insert(worker.end(), {"--decoded-dir", cluster->decoded_->Path().string(),
+                                 "--decoded-mb", std::to_string(cluster->decoded_->Megabytes())});
+  }
   for (int i = 1; i <= options.workers; ++i) {
-    COHORT_RETURN_IF_ERROR(cluster->StartMember(
-        "worker-" + std::to_string(i), "cohort-worker",
-        {"--server", cluster->address_, "--store", (options.data_dir / "blobs").string(),
-         "--threads", std::to_string(threads), "--drain-seconds", "1", "--exit-with-parent",
-         parent}));
+    COHORT_RETURN_IF_ERROR(
+        cluster->StartMember("worker-" + std::to_string(i), "cohort-worker", worker));
   }
   cluster->supervisor_ = std::thread([raw = cluster.get()] { raw->Supervise(); });
   return cluster;
@@ -147,6 +161,7 @@ void LocalCluster::Stop() {
   members_.clear();
   std::error_code ignored;  // A temporary folder left behind harms nobody.
   std::filesystem::remove_all(socket_dir_, ignored);
+  decoded_.reset();
 }
 
 LocalCluster::~LocalCluster() {

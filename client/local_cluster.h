@@ -10,6 +10,7 @@
 #include <absl/status/statusor.h>
 
 #include "client/child_process.h"
+#include "client/memory_folder.h"
 #include "common/base/mutex.h"
 
 namespace cohort {
@@ -60,6 +61,7 @@ class LocalCluster {
   const LocalClusterOptions options_;
   std::filesystem::path socket_dir_;
   std::string address_;
+  std::unique_ptr<MemoryFolder> decoded_;  ///< Where several workers share decoded meshes.
   Mutex mutex_;
   std::vector<Member> members_ ABSL_GUARDED_BY(mutex_);
   absl::Status health_ ABSL_GUARDED_BY(mutex_);

@@ -25,6 +25,7 @@
 #include "common/rpc/channel.h"
 #include "common/rpc/rpc_blob_store.h"
 #include "common/store/caching_blob_store.h"
+#include "common/store/decoded_mesh_folder.h"
 #include "common/store/directory_blob_store.h"
 #include "common/store/retrying_blob_store.h"
 #include "worker/grpc_coordinator_link.h"
@@ -86,6 +87,12 @@ CLI::App* AddOptions(CLI::App& app, WorkerOptions& options) {
   app.add_option("--cache-disk-mb", options.cache_disk_mb,
                  "how much of them; the least recently read go first")
       ->capture_default_str();
+  app.add_option("--decoded-dir", options.decoded_dir,
+                 "share decoded meshes with the other workers of this machine in this folder; best "
+                 "in memory (/dev/shm) or on a fast disk");
+  app.add_option("--decoded-mb", options.decoded_mb,
+                 "how much of them; the least recently used go first")
+      ->capture_default_str();
   app.add_option("--name", options.name, "name in logs; must be unique");
   app.add_option("--drain-seconds", options.drain_seconds,
                  "how long running tasks may go on after SIGTERM")
@@ -120,6 +127,10 @@ absl::Status WorkerOptions::Validate() const {
     return absl::InvalidArgumentError("--cache-disk-mb " + std::to_string(cache_disk_mb) +
                                       ": expected 1 to 1000000000");
   }
+  if (decoded_mb < 1 || decoded_mb > 1'000'000'000) {
+    return absl::InvalidArgumentError("--decoded-mb " + std::to_string(decoded_mb) +
+                                      ": expected 1 to 1000000000");
+  }
   if (!(drain_seconds >= 0 && drain_seconds <= 86400)) {
     return absl::InvalidArgumentError("--drain-seconds: expected 0 to 86400");
   }
@@ -137,7 +148,12 @@ absl::Status RunWorker(const WorkerOptions& options) {
   std::stop_source stop;
   COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<BlobStore> store,
                           OpenStore(options, channel, address, stop.get_token()));
-  MeshCache meshes(*store, options.cache_mb << 20);
+  std::unique_ptr<DecodedMeshFolder> decoded;
+  if (!options.decoded_dir.empty()) {
+    COHORT_ASSIGN_OR_RETURN(
+        decoded, DecodedMeshFolder::Create(options.decoded_dir, options.decoded_mb * 1'000'000));
+  }
+  MeshCache meshes(*store, options.cache_mb << 20, decoded.get());
   GrpcCoordinatorLink link(channel, address);
   WorkerLoopOptions loop_options;
   loop_options.worker = WorkerId{options.name.empty() ? MakeWorkerName() : options.name};

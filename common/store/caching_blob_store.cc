@@ -1,9 +1,7 @@
 #include "common/store/caching_blob_store.h"
 
-#include <algorithm>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <spdlog/spdlog.h>
 
@@ -14,10 +12,6 @@ namespace cohort {
 namespace {
 
 constexpr int64_t kPieceBytes = 1 << 20;
-/// The folder is looked at again after this part of the limit has been added by us.
-constexpr int64_t kLookParts = 16;
-/// Room is made down to this share of the limit, so that it is not made for every blob.
-constexpr double kKeptShare = 0.9;
 constexpr double kDeadWriterSeconds = 24 * 3600;
 
 }  // namespace
@@ -25,7 +19,7 @@ constexpr double kDeadWriterSeconds = 24 * 3600;
 CachingBlobStore::CachingBlobStore(std::unique_ptr<BlobStore> source,
                                    std::unique_ptr<DirectoryBlobStore> kept,
                                    int64_t max_bytes)
-    : source_(std::move(source)), kept_(std::move(kept)), max_bytes_(max_bytes) {}
+    : source_(std::move(source)), kept_(std::move(kept)), limit_(*kept_, max_bytes) {}
 
 absl::StatusOr<std::unique_ptr<CachingBlobStore>> CachingBlobStore::Create(
     std::unique_ptr<BlobStore> source, const std::filesystem::path& folder, int64_t max_bytes) {
@@ -34,9 +28,7 @@ absl::StatusOr<std::unique_ptr<CachingBlobStore>> CachingBlobStore::Create(
   COHORT_RETURN_IF_ERROR(kept->SweepIncoming(kDeadWriterSeconds));
   std::unique_ptr<CachingBlobStore> store(
       new CachingBlobStore(std::move(source), std::move(kept), max_bytes));
-  COHORT_ASSIGN_OR_RETURN(const int64_t bytes, store->MakeRoom());
-  const MutexLock lock(store->mutex_);
-  store->bytes_ = bytes;
+  COHORT_RETURN_IF_ERROR(store->limit_.Start());
   return store;
 }
 
@@ -54,7 +46,7 @@ absl::StatusOr<std::unique_ptr<BlobReader>> CachingBlobStore::Open(const Digest&
     return reader;
   }
   COHORT_ASSIGN_OR_RETURN(std::unique_ptr<BlobReader> reader, source_->Open(digest));
-  if (reader->SizeBytes() > max_bytes_) {
+  if (reader->SizeBytes() > limit_.MaxBytes()) {
     return reader;
   }
   COHORT_RETURN_IF_ERROR(Keep(*reader));
@@ -95,58 +87,11 @@ absl::Status CachingBlobStore::Keep(BlobReader& reader) {
     written = (*writer)->Append(piece);
   }
   if (written.ok()) {
-    NoteKept(reader.SizeBytes());
+    limit_.NoteAdded(reader.SizeBytes());
   } else {
     spdlog::warn("event=blob_not_cached error=\"{}\"", std::string(written.message()));
   }
   return absl::OkStatus();
-}
-
-void CachingBlobStore::NoteKept(int64_t size_bytes) {
-  {
-    const MutexLock lock(mutex_);
-    bytes_ += size_bytes;
-    new_bytes_ += size_bytes;
-    const bool is_fine = bytes_ <= max_bytes_ && new_bytes_ <= max_bytes_ / kLookParts;
-    if (is_fine || is_making_room_) {
-      return;
-    }
-    is_making_room_ = true;
-    new_bytes_ = 0;
-  }
-  const absl::StatusOr<int64_t> left = MakeRoom();
-  if (!left.ok()) {
-    spdlog::warn("event=cache_not_trimmed error=\"{}\"", std::string(left.status().message()));
-  }
-  const MutexLock lock(mutex_);
-  is_making_room_ = false;
-  if (left.ok()) {
-    bytes_ = *left + new_bytes_;
-  }
-}
-
-absl::StatusOr<int64_t> CachingBlobStore::MakeRoom() {
-  std::vector<StoredBlob> blobs;
-  int64_t bytes = 0;
-  COHORT_RETURN_IF_ERROR(kept_->Visit([&](const StoredBlob& blob) {
-    bytes += blob.size_bytes;
-    blobs.push_back(blob);
-    return absl::OkStatus();
-  }));
-  if (bytes <= max_bytes_) {
-    return bytes;
-  }
-  std::sort(blobs.begin(), blobs.end(),
-            [](const StoredBlob& a, const StoredBlob& b) { return a.age_seconds > b.age_seconds; });
-  const auto kept_bytes = static_cast<int64_t>(kKeptShare * static_cast<double>(max_bytes_));
-  for (const StoredBlob& blob : blobs) {
-    if (bytes <= kept_bytes) {
-      break;
-    }
-    COHORT_RETURN_IF_ERROR(kept_->Remove(blob.digest));
-    bytes -= blob.size_bytes;
-  }
-  return bytes;
 }
 
 }  // namespace cohort

@@ -6,18 +6,17 @@
 
 #include <absl/status/statusor.h>
 
-#include "common/base/mutex.h"
 #include "common/store/directory_blob_store.h"
+#include "common/store/folder_limit.h"
 
 namespace cohort {
 
 /// Another store, with what was read from it kept in a folder: for workers that reach the server's
 /// store over the network. What is written goes through.
 ///
-/// The least recently read blobs go first once the folder holds more than its limit. Several
-/// processes may share a folder: each looks at all of it now and then, so that together they exceed
-/// the limit by at most a sixteenth for each of them. Every read is checked against the digest; a
-/// damaged file is dropped and fetched again. A folder that cannot be written costs speed, nothing
+/// The least recently read blobs go first once the folder holds more than its limit (FolderLimit).
+/// Several processes may share a folder. Every read is checked against the digest; a damaged file
+/// is dropped and fetched again. A folder that cannot be written costs speed, nothing
 /// else. Thread-safe.
 class CachingBlobStore final : public BlobStore {
  public:
@@ -43,18 +42,11 @@ class CachingBlobStore final : public BlobStore {
   /// Puts what `reader` gives into the folder. @return the errors of `reader`; what fails in the
   /// folder is no error.
   [[nodiscard]] absl::Status Keep(BlobReader& reader);
-  void NoteKept(int64_t size_bytes) ABSL_LOCKS_EXCLUDED(mutex_);
-  /// Removes the least recently read blobs until there is room. @return the bytes that are left.
-  [[nodiscard]] absl::StatusOr<int64_t> MakeRoom() ABSL_LOCKS_EXCLUDED(mutex_);
 
   const std::unique_ptr<BlobStore> source_;
   const std::unique_ptr<DirectoryBlobStore> kept_;
-  const int64_t max_bytes_;
+  FolderLimit limit_;
   std::atomic<int64_t> hits_ = 0;
-  Mutex mutex_;
-  int64_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;  ///< In the folder, as last seen, and ours since.
-  bool is_making_room_ ABSL_GUARDED_BY(mutex_) = false;
-  int64_t new_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Ours since it was last seen.
 };
 
 }  // namespace cohort

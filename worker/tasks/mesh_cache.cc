@@ -1,6 +1,7 @@
 #include "worker/tasks/mesh_cache.h"
 
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -52,20 +53,36 @@ absl::StatusOr<std::shared_ptr<const T>> MeshCache::GetOrMake(const std::string&
   return std::move(made->value);
 }
 
+absl::StatusOr<TriangleMesh> MeshCache::Decode(const Digest& blob) {
+  if (decoded_ != nullptr) {
+    if (std::optional<TriangleMesh> mesh = decoded_->Get(blob)) {
+      return *std::move(mesh);
+    }
+  }
+  COHORT_ASSIGN_OR_RETURN(const std::string bytes, store_.Get(blob));
+  absl::StatusOr<TriangleMesh> mesh = DecodeMeshBlob(bytes);
+  if (!mesh.ok()) {
+    return absl::Status(mesh.status().code(),
+                        "blob " + blob.Hex() + ": " + std::string(mesh.status().message()));
+  }
+  if (decoded_ != nullptr) {
+    decoded_->Keep(blob, *mesh);
+  }
+  return mesh;
+}
+
 absl::StatusOr<std::shared_ptr<const TriangleMesh>> MeshCache::Get(const Digest& blob) {
   return GetOrMake<TriangleMesh>(MeshKey(blob), [&]() -> absl::StatusOr<Made<TriangleMesh>> {
-    COHORT_ASSIGN_OR_RETURN(const std::string bytes, store_.Get(blob));
-    absl::StatusOr<TriangleMesh> decoded = DecodeMeshBlob(bytes);
-    if (!decoded.ok()) {
-      return absl::Status(decoded.status().code(),
-                          "blob " + blob.Hex() + ": " + std::string(decoded.status().message()));
-    }
-    auto mesh = std::make_shared<const TriangleMesh>(*std::move(decoded));
+    COHORT_ASSIGN_OR_RETURN(TriangleMesh decoded, Decode(blob));
+    auto mesh = std::make_shared<const TriangleMesh>(std::move(decoded));
     return Made<TriangleMesh>{.value = mesh, .bytes = SizeOf(*mesh)};
   });
 }
 
 void MeshCache::Keep(const Digest& blob, TriangleMesh mesh) {
+  if (decoded_ != nullptr) {
+    decoded_->Keep(blob, mesh);
+  }
   auto kept = std::make_shared<const TriangleMesh>(std::move(mesh));
   Insert(MeshKey(blob), kept, SizeOf(*kept));
 }

@@ -21,6 +21,7 @@
 #include "common/geometry/registration/undersampling.h"
 #include "common/jobs/landmark_blob.h"
 #include "common/store/blob_store.h"
+#include "common/store/decoded_mesh_folder.h"
 
 namespace cohort {
 
@@ -29,7 +30,9 @@ namespace cohort {
 class MeshCache {
  public:
   /// @param max_bytes  kept; what is in use may exceed it.
-  MeshCache(BlobStore& store, int64_t max_bytes) : store_(store), max_bytes_(max_bytes) {}
+  /// @param decoded    where the workers of this machine share decoded meshes; may be null.
+  MeshCache(BlobStore& store, int64_t max_bytes, DecodedMeshFolder* decoded = nullptr)
+      : store_(store), max_bytes_(max_bytes), decoded_(decoded) {}
 
   /// @return as BlobStore::Get and DecodeMeshBlob, naming the blob.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const TriangleMesh>> Get(const Digest& blob);
@@ -81,12 +84,14 @@ class MeshCache {
   /// The value under `key`; made by `make` (which returns a StatusOr<Made<T>>) if it is not there.
   template <typename T, typename Make>
   absl::StatusOr<std::shared_ptr<const T>> GetOrMake(const std::string& key, Make make);
+  absl::StatusOr<TriangleMesh> Decode(const Digest& blob);
   std::shared_ptr<const void> Find(const std::string& key) ABSL_LOCKS_EXCLUDED(mutex_);
   void Insert(const std::string& key, std::shared_ptr<const void> value, int64_t bytes)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
   BlobStore& store_;
   const int64_t max_bytes_;
+  DecodedMeshFolder* const decoded_;
   Mutex mutex_;
   std::unordered_map<std::string, Entry> entries_ ABSL_GUARDED_BY(mutex_);
   std::list<std::string> uses_ ABSL_GUARDED_BY(mutex_);  ///< Most recent first.
