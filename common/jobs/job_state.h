@@ -107,6 +107,9 @@ struct Job {
   JobState state = JobState::kQueued;
   std::string error;    ///< Why it failed.
   int64_t version = 0;  ///< Grows with every change of the job.
+  /// kPlanVersion and kResultsVersion of the server that began it; 0: one that did not tell.
+  int64_t plan_version = 0;
+  int64_t results_version = 0;
   int64_t created_unix_ms = 0;
   int64_t started_unix_ms = 0;   ///< 0: not yet.
   int64_t finished_unix_ms = 0;  ///< 0: not yet.

@@ -112,6 +112,10 @@ class Catalog {
   /// Writes everything of the job that can change (state, error, version, times, progress,
   /// counters, rejected count).
   [[nodiscard]] absl::Status UpdateJob(const Job& job);
+  /// UpdateJob with the versions too, of a job whose tasks have other numbers or results from now
+  /// on: forgets what became of its tasks, all but their epochs, so that no earlier lease is taken
+  /// for a new one.
+  [[nodiscard]] absl::Status StartOver(const Job& job);
   /// With `outputs` and the fate of each mesh, once a job has ended.
   [[nodiscard]] absl::Status FinishJob(const Job& job,
                                        const JobOutputs& outputs,

@@ -130,6 +130,19 @@ absl::Status Catalog::UpdateJob(const Job& job) {
   return database_->Write([&](soci::session& sql) { return UpdateJobRow(sql, job); });
 }
 
+absl::Status Catalog::StartOver(const Job& job) {
+  return database_->Write([&](soci::session& sql) -> absl::Status {
+    COHORT_RETURN_IF_ERROR(UpdateJobRow(sql, job));
+    COHORT_ASSIGN_OR_RETURN(const int64_t number, NumberOf(job.id));
+    sql << "UPDATE job SET plan_version = :plan, results_version = :results WHERE number = :number",
+        soci::use(job.plan_version), soci::use(job.results_version), soci::use(number);
+    sql << "UPDATE task SET failures = 0, losses = 0, worker = '', result = '', last_error = '', "
+           "given_up = 0 WHERE job = :job",
+        soci::use(number);
+    return absl::OkStatus();
+  });
+}
+
 absl::Status Catalog::FinishJob(const Job& job,
                                 const JobOutputs& outputs,
                                 const std::vector<JobMesh>& meshes) {

@@ -68,7 +68,8 @@ absl::StatusOr<std::vector<Job>> SelectJobs(soci::session& sql,
   select.alloc();
   select.prepare(
       "SELECT number, set_name, spec, state, error, version, created_unix_ms, started_unix_ms, "
-      "finished_unix_ms, meshes, rejected_meshes, progress, counters FROM job " +
+      "finished_unix_ms, meshes, rejected_meshes, progress, counters, plan_version, "
+      "results_version FROM job " +
       rest);
   select.exchange(soci::into(row.number));
   select.exchange(soci::into(row.job.set));
@@ -83,6 +84,8 @@ absl::StatusOr<std::vector<Job>> SelectJobs(soci::session& sql,
   select.exchange(soci::into(row.job.rejected_meshes));
   select.exchange(soci::into(row.progress));
   select.exchange(soci::into(row.counters));
+  select.exchange(soci::into(row.job.plan_version));
+  select.exchange(soci::into(row.job.results_version));
   bind(select);
   select.define_and_bind();
   select.execute();
@@ -118,14 +121,16 @@ absl::Status InsertJob(soci::session& sql,
   const std::string outputs = OutputsToText(outputs_kept);
   sql << "INSERT INTO job (number, request_id, set_name, spec, state, error, version, "
          "created_unix_ms, started_unix_ms, finished_unix_ms, meshes, rejected_meshes, progress, "
-         "counters, outputs) VALUES (:number, :request_id, :set_name, :spec, :state, :error, "
-         ":version, :created, :started, :finished, :meshes, :rejected, :progress, :counters, "
-         ":outputs)",
+         "counters, outputs, plan_version, results_version) VALUES (:number, :request_id, "
+         ":set_name, :spec, :state, :error, :version, :created, :started, :finished, :meshes, "
+         ":rejected, :progress, :counters, "
+         ":outputs, :plan_version, :results_version)",
       soci::use(number), soci::use(request_id), soci::use(job.set), soci::use(spec),
       soci::use(state), soci::use(job.error), soci::use(job.version),
       soci::use(job.created_unix_ms), soci::use(job.started_unix_ms),
       soci::use(job.finished_unix_ms), soci::use(job.meshes), soci::use(job.rejected_meshes),
-      soci::use(progress), soci::use(counters), soci::use(outputs);
+      soci::use(progress), soci::use(counters), soci::use(outputs), soci::use(job.plan_version),
+      soci::use(job.results_version);
   return absl::OkStatus();
 }
 

@@ -76,8 +76,13 @@ constexpr std::array<std::string_view, 1> kVersion3 = {
     "ALTER TABLE task ADD COLUMN given_up BIGINT NOT NULL DEFAULT 0",
 };
 
-constexpr std::array<Migration, 3> kMigrations = {Migration(kVersion1), Migration(kVersion2),
-                                                  Migration(kVersion3)};
+constexpr std::array<std::string_view, 2> kVersion4 = {
+    "ALTER TABLE job ADD COLUMN plan_version BIGINT NOT NULL DEFAULT 0",
+    "ALTER TABLE job ADD COLUMN results_version BIGINT NOT NULL DEFAULT 0",
+};
+
+constexpr std::array<Migration, 4> kMigrations = {Migration(kVersion1), Migration(kVersion2),
+                                                  Migration(kVersion3), Migration(kVersion4)};
 
 }  // namespace
 

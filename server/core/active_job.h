@@ -21,6 +21,8 @@ struct ActiveJob {
   NumberSet unlooked;                       ///< Ready tasks; not looked up among known results.
   std::map<int64_t, std::string> given_up;  ///< Tasks that failed too often, and why.
   int64_t reused = 0;                       ///< Tasks whose result was known.
+  /// Begun by another build whose tasks had other numbers: only our own leases count.
+  bool is_started_over = false;
   /// Attempts at tasks that are not ready again: a damaged blob has put the job back.
   std::map<int64_t, TaskAttempts> earlier_attempts;
 };

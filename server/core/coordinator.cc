@@ -140,6 +140,8 @@ absl::StatusOr<Job> Coordinator::CreateJob(const std::string& set,
   wanted.set = set;
   wanted.spec = complete;
   wanted.version = 1;
+  wanted.plan_version = options_.plan_version;
+  wanted.results_version = options_.results_version;
   wanted.meshes = static_cast<int64_t>(meshes.size());
   wanted.progress = plan->CurrentProgress();
   Job created;
@@ -184,6 +186,13 @@ absl::StatusOr<ReferenceFrame> Coordinator::FrameFor(const JobSpec& spec,
                                                      const std::vector<SetMesh>& meshes) {
   const JobId id{spec.reference_job};
   COHORT_ASSIGN_OR_RETURN(const Job reference, GetJob(id));
+  if (reference.results_version != options_.results_version) {
+    return WithReason(absl::FailedPreconditionError(
+                          "reference job " + id.value +
+                          " was computed by another version of cohort-server: its distances cannot "
+                          "be mixed with ours; submit it again"),
+                      "REFERENCE_UNUSABLE");
+  }
   COHORT_ASSIGN_OR_RETURN(const std::vector<JobMesh> reference_meshes, GetJobMeshes(id));
   COHORT_ASSIGN_OR_RETURN(const JobOutputs outputs, catalog_.GetOutputs(id));
   absl::StatusOr<ReferenceFrame> frame =

@@ -16,6 +16,7 @@
 #include "common/base/call_times.h"
 #include "common/base/clock.h"
 #include "common/base/mutex.h"
+#include "common/jobs/action_key.h"
 #include "common/jobs/estimate.h"
 #include "common/jobs/job_state.h"
 #include "common/jobs/lease.h"
@@ -37,7 +38,9 @@ namespace cohort {
 
 struct CoordinatorOptions {
   SchedulerOptions scheduler;
-  std::string build;      ///< Workers of another build are refused.
+  std::string build;                      ///< Workers of another build are refused.
+  int plan_version = kPlanVersion;        ///< Unfinished jobs of others are started over,
+  int results_version = kResultsVersion;  ///< finished ones are not added to.
   int most_waiting = 64;  ///< Workers that may wait for a task inside a call; others call again.
   StoreReserve reserve = {};
   GarbageOptions garbage = {};  ///< Where nobody asks for others.
@@ -203,6 +206,8 @@ class Coordinator {
   // Jobs.
   absl::Status Recover();
   absl::Status RecoverJob(const Job& job) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Of a job begun by another build: none of its results is under its number in our plan.
+  absl::Status StartOver(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Schedules what the plan has made ready; ends the job if nothing is left.
   absl::Status Advance(ActiveJob& active) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Keeps `ready_since_` true. To be called after every grant, and from Tick.

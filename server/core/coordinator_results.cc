@@ -95,7 +95,10 @@ void Coordinator::TakeCompletions() {
   std::set<TaskId> seen;
   for (QueuedCompletion* queued : batch) {
     queued->outcome = false;
-    if (FindOpen(queued->lease.task) == nullptr || !seen.insert(queued->lease.task).second) {
+    const ActiveJob* open = FindOpen(queued->lease.task);
+    const bool is_ours =
+        open != nullptr && (!open->is_started_over || scheduler_.IsCurrent(queued->lease));
+    if (!is_ours || !seen.insert(queued->lease.task).second) {
       ++totals_.tasks_superseded;
       spdlog::info("event=result_superseded job={} task={} epoch={} worker={}",
                    queued->lease.task.job.value, queued->lease.task.number, queued->lease.epoch,

@@ -10,7 +10,8 @@ namespace cohort {
   return blocks * (blocks + 1) / 2;
 }
 
-/// The pair at `place` of them, row by row: (0,0) (0,1) ... (0,n-1) (1,1) ...
+/// The pair at `place` of them: row by row those of two blocks, (0,1) (0,2) ... (0,n-1) (1,2) ...,
+/// then (0,0) (1,1) ... Those of one block are half as much work, so that workers end together.
 [[nodiscard]] std::pair<int64_t, int64_t> BlockPairAt(int64_t blocks, int64_t place);
 
 }  // namespace cohort

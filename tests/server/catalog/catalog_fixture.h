@@ -45,6 +45,8 @@ inline Job SomeJob(const std::string& set) {
   job.set = set;
   job.spec.rounds = 7;
   job.spec.base = "b.ply";
+  job.plan_version = 5;
+  job.results_version = 6;
   return job;
 }
 

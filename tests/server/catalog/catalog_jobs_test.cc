@@ -34,6 +34,8 @@ void ExpectEqual(const Job& a, const Job& b) {
   EXPECT_EQ(a.state, b.state);
   EXPECT_EQ(a.error, b.error);
   EXPECT_EQ(a.version, b.version);
+  EXPECT_EQ(a.plan_version, b.plan_version);
+  EXPECT_EQ(a.results_version, b.results_version);
   EXPECT_EQ(a.created_unix_ms, b.created_unix_ms);
   EXPECT_EQ(a.started_unix_ms, b.started_unix_ms);
   EXPECT_EQ(a.finished_unix_ms, b.finished_unix_ms);
@@ -284,6 +286,36 @@ TEST_P(CatalogJobsTest, TellsTheUnfinishedJobsOldestFirst) {
   ASSERT_EQ(unfinished.size(), 2u);
   ExpectEqual(unfinished[0], jobs[1]);
   ExpectEqual(unfinished[1], jobs[4]);
+}
+
+TEST_P(CatalogJobsTest, StartingOverForgetsAllOfTheTasksButTheirEpochs) {
+  Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
+  const Job other = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
+  TaskRecord done = SomeTask(3);
+  done.result = SomeResult();
+  ASSERT_THAT(testing::SaveTasks(*catalog_, job.id, {done, SomeTask(2)}), IsOk());
+  ASSERT_THAT(testing::SaveTasks(*catalog_, other.id, {done}), IsOk());
+  Advance(job);
+  job.plan_version = 8;
+  job.results_version = 9;
+
+  ASSERT_THAT(catalog_->StartOver(job), IsOk());
+
+  Reopen();
+  ExpectEqual(catalog_->GetJob(job.id).value(), job);
+  const std::vector<TaskRecord> tasks = testing::LoadTasks(*catalog_, job.id).value();
+  ASSERT_EQ(tasks.size(), 2u);
+  for (const TaskRecord& task : tasks) {
+    TaskRecord expected;
+    expected.number = task.number;
+    expected.epoch = SomeTask(0).epoch;
+    ExpectEqual(task, expected);
+    EXPECT_FALSE(task.given_up);
+  }
+  ExpectEqual(testing::LoadTasks(*catalog_, other.id)->at(0), done);
+  Job missing = job;
+  missing.id = {"j-000099"};
+  EXPECT_THAT(catalog_->StartOver(missing), StatusIs(absl::StatusCode::kNotFound, "j-000099"));
 }
 
 TEST_P(CatalogJobsTest, KeepsTasksAndWritesThemOver) {

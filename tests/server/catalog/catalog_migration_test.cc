@@ -75,6 +75,8 @@ TEST_F(CatalogMigrationTest, ReadsAJobThatRunsAndItsTasks) {
   EXPECT_EQ(job.spec.arithmetic, Arithmetic::kExact);
   EXPECT_TRUE(job.spec.landmarks.empty());
   EXPECT_EQ(job.version, 5);
+  EXPECT_EQ(job.plan_version, 0);
+  EXPECT_EQ(job.results_version, 0);
   EXPECT_EQ(job.progress.stage, "align 1");
   EXPECT_EQ(job.progress.cost_total, 2);
   EXPECT_TRUE(job.progress.stages.empty());

@@ -136,7 +136,10 @@ TEST_F(PostgreSQLTest, TakesAnOlderVersionFurther) {
   ASSERT_THAT(catalog_->AddMesh("s", SomeMesh("a")), IsOk());
   catalog_.reset();
   // What the migrations since version 1 made.
-  cluster_.Run("DROP TABLE action; ALTER TABLE task DROP COLUMN given_up", location_);
+  cluster_.Run(
+      "DROP TABLE action; ALTER TABLE task DROP COLUMN given_up; "
+      "ALTER TABLE job DROP COLUMN plan_version, DROP COLUMN results_version",
+      location_);
   cluster_.Run("UPDATE cohort_meta SET value = '1' WHERE name = 'version'", location_);
 
   catalog_ = Catalog::Open(location_).value();

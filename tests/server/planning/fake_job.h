@@ -92,6 +92,9 @@ class FakeJob {
     if (task.wants_placed) {
       result.placed = Name(name + "@");
     }
+    if (task.kind == TaskKind::kChooseBase) {
+      result.base = task.meshes.back().index;
+    }
     result.counters.pairs = 1;
     return result;
   }

@@ -31,9 +31,10 @@ TEST(FidentisPlan, AverageGoesOnFromWhereTheMeshesWereMoved) {
                   "placed, counts index",
                   "6 align 2: b | to average 1#4 | from align 1#3 | of align 1#3@ | fidentis, "
                   "placed",
-                  "--", "7 compare: a x a | from align 2#5 | of align 2#5@ | fidentis",
-                  "8 compare: a x b | from align 2#5 align 2#6 | of align 2#5@ align 2#6@ | "
+                  "--",
+                  "7 compare: a x b | from align 2#5 align 2#6 | of align 2#5@ align 2#6@ | "
                   "fidentis",
+                  "8 compare: a x a | from align 2#5 | of align 2#5@ | fidentis",
                   "9 compare: b x b | from align 2#6 | of align 2#6@ | fidentis",
                   "10 summarize: x b | of align 2#5@ align 2#6@ | fidentis"));
   const JobOutputs& outputs = plan->Outputs();

@@ -164,11 +164,11 @@ TEST(Rejections, DropAnEmptyBatchAndCountTheIndexInTheNextOne) {
   EXPECT_THAT(job.RunReady(*plan),
               ElementsAre("14 variation: b | to average 1#11 | from align 2#12",
                           "15 variation: d | to average 1#11 | from align 2#13"));
-  EXPECT_THAT(job.RunReady(*plan),
-              ElementsAre("16 summarize: | to average 1#11 | of variation#14 variation#15",
-                          "17 compare: b x b | from align 2#12",
-                          "18 compare: b x d | from align 2#12 align 2#13",
-                          "19 compare: d x d | from align 2#13"));
+  EXPECT_THAT(
+      job.RunReady(*plan),
+      ElementsAre("16 summarize: | to average 1#11 | of variation#14 variation#15",
+                  "17 compare: b x d | from align 2#12 align 2#13",
+                  "18 compare: b x b | from align 2#12", "19 compare: d x d | from align 2#13"));
 }
 
 TEST(Rejections, LeaveABatchItsIdentity) {

@@ -50,11 +50,11 @@ TEST(PlanToAverage, IsThisForThreeMeshesAndTwoRounds) {
           "19 variation: c | to average 2#13 | from align 3#16",                           //
           "--",                                                                            //
           "20 summarize: | to average 2#13 | of variation#17 variation#18 variation#19",   //
-          "21 compare: a x a | from align 3#14",                                           //
-          "22 compare: a x b | from align 3#14 align 3#15",                                //
-          "23 compare: a x c | from align 3#14 align 3#16",                                //
-          "24 compare: b x b | from align 3#15",                                           //
-          "25 compare: b x c | from align 3#15 align 3#16",                                //
+          "21 compare: a x b | from align 3#14 align 3#15",                                //
+          "22 compare: a x c | from align 3#14 align 3#16",                                //
+          "23 compare: b x c | from align 3#15 align 3#16",                                //
+          "24 compare: a x a | from align 3#14",                                           //
+          "25 compare: b x b | from align 3#15",                                           //
           "26 compare: c x c | from align 3#16"));
   EXPECT_EQ(job.NamesOf(plan->Outputs().tiles),
             "compare#21 compare#22 compare#23 compare#24 compare#25 compare#26");
@@ -82,8 +82,8 @@ TEST(PlanToAverage, StartsFromIdentityWithoutAPose) {
                           "8 variation: b | to average 1#4 | from align 2#6",               //
                           "--",                                                             //
                           "9 summarize: | to average 1#4 | of variation#7 variation#8",     //
-                          "10 compare: a x a | from align 2#5",                             //
-                          "11 compare: a x b | from align 2#5 align 2#6",                   //
+                          "10 compare: a x b | from align 2#5 align 2#6",                   //
+                          "11 compare: a x a | from align 2#5",                             //
                           "12 compare: b x b | from align 2#6"));
 }
 
@@ -112,11 +112,11 @@ TEST(PlanToOne, IsThisForThreeMeshesAndTheSecondAsBase) {
           "11 variation: c | to b | from align#8 | moves reference",                            //
           "--",                                                                                 //
           "12 summarize: | to b | of variation#9 variation#10 variation#11 | moves reference",  //
-          "13 compare: a x a | from align#6",                                                   //
-          "14 compare: a x b | from align#6 align#7",                                           //
-          "15 compare: a x c | from align#6 align#8",                                           //
-          "16 compare: b x b | from align#7",                                                   //
-          "17 compare: b x c | from align#7 align#8",                                           //
+          "13 compare: a x b | from align#6 align#7",                                           //
+          "14 compare: a x c | from align#6 align#8",                                           //
+          "15 compare: b x c | from align#7 align#8",                                           //
+          "16 compare: a x a | from align#6",                                                   //
+          "17 compare: b x b | from align#7",                                                   //
           "18 compare: c x c | from align#8"));
   EXPECT_EQ(job.NamesOf(plan->Outputs().alignments), "align#6 align#7 align#8");
 }
@@ -181,11 +181,11 @@ TEST(PlanToNone, IsThisForThreeMeshes) {
           "5 variation: c | to a | moves reference",                                         //
           "--",                                                                              //
           "6 summarize: | to a | of variation#3 variation#4 variation#5 | moves reference",  //
-          "7 compare: a x a",                                                                //
-          "8 compare: a x b",                                                                //
-          "9 compare: a x c",                                                                //
-          "10 compare: b x b",                                                               //
-          "11 compare: b x c",                                                               //
+          "7 compare: a x b",                                                                //
+          "8 compare: a x c",                                                                //
+          "9 compare: b x c",                                                                //
+          "10 compare: a x a",                                                               //
+          "11 compare: b x b",                                                               //
           "12 compare: c x c"));
   EXPECT_THAT(plan->Outputs().alignments, IsEmpty());
 }
@@ -248,8 +248,8 @@ TEST(PlanWithSymmetricCopies, PutsThemInThePlaceOfTheMeshes) {
                   "9 variation: b* | to a* | from align#7 | moves reference",              //
                   "--",                                                                    //
                   "10 summarize: | to a* | of variation#8 variation#9 | moves reference",  //
-                  "11 compare: a* x a* | from align#6",                                    //
-                  "12 compare: a* x b* | from align#6 align#7",                            //
+                  "11 compare: a* x b* | from align#6 align#7",                            //
+                  "12 compare: a* x a* | from align#6",                                    //
                   "13 compare: b* x b* | from align#7"));
   EXPECT_EQ(plan->Meshes()[1].copy->asymmetry, 0.5);
   EXPECT_EQ(job.NameOf(plan->Meshes()[1].ingested->blob), "b") << "the mesh stays what it is";
