@@ -60,8 +60,8 @@ int64_t TileCount(const PlanState& state) {
   if (!state.HasKeptFrame()) {
     return BlockPairCount(BlockCount(state.ActiveCount(), size));
   }
-  const int64_t open = BlockCount(std::ssize(state.OpenMeshes()), size);
-  return open * BlockCount(std::ssize(state.KeptMeshes()), size) + BlockPairCount(open);
+  const int64_t open = BlockCount(std::ssize(state.active_open), size);
+  return open * BlockCount(std::ssize(state.active_kept), size) + BlockPairCount(open);
 }
 
 TilePlace TileAt(const PlanState& state, int64_t task) {
@@ -71,8 +71,8 @@ TilePlace TileAt(const PlanState& state, int64_t task) {
     const auto [row, column] = BlockPairAt(BlockCount(state.ActiveCount(), size), task);
     return {BlockAt(all, size, row), BlockAt(all, size, column), row == column};
   }
-  const std::vector<int32_t> open = state.OpenMeshes();
-  const std::vector<int32_t> kept = state.KeptMeshes();
+  const std::vector<int32_t>& open = state.active_open;
+  const std::vector<int32_t>& kept = state.active_kept;
   const int64_t open_blocks = BlockCount(std::ssize(open), size);
   const int64_t mixed = open_blocks * BlockCount(std::ssize(kept), size);
   if (task < mixed) {

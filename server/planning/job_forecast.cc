@@ -51,7 +51,7 @@ double OtherBytes(const PlanState& state, double measured_pairs) {
 JobForecast ForecastOf(const PlanState& state) {
   JobForecast forecast;
   const int64_t meshes = state.ActiveCount();
-  const int64_t kept = state.HasKeptFrame() ? std::ssize(state.KeptMeshes()) : 0;
+  const int64_t kept = state.HasKeptFrame() ? std::ssize(state.active_kept) : 0;
   forecast.meshes = meshes;
   forecast.pairs = meshes * (meshes - 1) - kept * (kept - 1);
   forecast.retention = ResolvedCompare(state).retention;

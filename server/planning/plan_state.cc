@@ -99,25 +99,9 @@ std::vector<Digest> PlanState::PlacedOf(const std::vector<int32_t>& chosen) cons
 }
 
 size_t PlanState::FirstOpenBatch() const {
-  const auto first = std::find_if(batches.begin(), batches.end(),
-                                  [](const Batch& batch) { return !batch.is_kept; });
+  const auto first = std::partition_point(batches.begin(), batches.end(),
+                                          [](const Batch& batch) { return batch.is_kept; });
   return static_cast<size_t>(first - batches.begin());
-}
-
-std::vector<int32_t> PlanState::KeptMeshes() const {
-  std::vector<int32_t> result;
-  for (const Batch& batch : std::span(batches).first(FirstOpenBatch())) {
-    result.insert(result.end(), batch.meshes.begin(), batch.meshes.end());
-  }
-  return result;
-}
-
-std::vector<int32_t> PlanState::OpenMeshes() const {
-  std::vector<int32_t> result;
-  for (const Batch& batch : std::span(batches).subspan(FirstOpenBatch())) {
-    result.insert(result.end(), batch.meshes.begin(), batch.meshes.end());
-  }
-  return result;
 }
 
 absl::Status PlanState::ChooseBase() {
@@ -152,20 +136,20 @@ void PlanState::FormBatches() {
   active_vertices = VerticesOf(active);
   const int64_t size = BatchSize();
   batches.clear();
-  std::vector<int32_t> open;
-  std::vector<int32_t> taken;
+  active_open.clear();
+  active_kept.clear();
   std::set_difference(active.begin(), active.end(), kept.begin(), kept.end(),
-                      std::back_inserter(open));
+                      std::back_inserter(active_open));
   std::set_intersection(active.begin(), active.end(), kept.begin(), kept.end(),
-                        std::back_inserter(taken));
-  for (std::vector<int32_t>& piece : SplitEvenly(taken, size)) {
+                        std::back_inserter(active_kept));
+  for (std::vector<int32_t>& piece : SplitEvenly(active_kept, size)) {
     batches.push_back({.meshes = std::move(piece),
                        .is_kept = true,
                        .alignment = kept_alignments,
                        .displacement = {},
                        .placed = {}});
   }
-  for (std::vector<int32_t>& piece : SplitEvenly(open, size)) {
+  for (std::vector<int32_t>& piece : SplitEvenly(active_open, size)) {
     batches.push_back({.meshes = std::move(piece),
                        .is_kept = false,
                        .alignment = {},
@@ -192,7 +176,9 @@ void PlanState::Reject(const std::vector<MeshRejection>& rejections) {
   const auto is_rejected = [this](int32_t mesh) {
     return !meshes[static_cast<size_t>(mesh)].rejection.empty();
   };
-  std::erase_if(active, is_rejected);
+  for (std::vector<int32_t>* left : {&active, &active_kept, &active_open}) {
+    std::erase_if(*left, is_rejected);
+  }
   for (Batch& batch : batches) {
     std::erase_if(batch.meshes, is_rejected);
   }

@@ -29,12 +29,14 @@ struct PlanState {
   std::vector<int32_t> active;  ///< Meshes still in the job, ascending.
   double active_vertices = 0;  ///< Of the active meshes when the step began or batches were formed.
   std::vector<Batch> batches;  ///< All active meshes, in order. Provisional until ingest ends.
-  int32_t base = 0;            ///< The base mesh. Provisional until ingest ends.
-  bool mean_has_settled = false;   ///< The last round moved the mean shape by no more than asked.
-  Digest reference;                ///< Newest reference: the base mesh or the last mean shape.
-  std::vector<int32_t> kept;       ///< Meshes whose alignments a reference job made, ascending.
-  Digest kept_alignments;          ///< Alignment blob of those.
-  std::vector<Digest> variations;  ///< Variation blobs in batch order.
+  std::vector<int32_t> active_kept;  ///< Active meshes of the batches that are kept, ascending,
+  std::vector<int32_t> active_open;  ///< and of those that are not.
+  int32_t base = 0;                  ///< The base mesh. Provisional until ingest ends.
+  bool mean_has_settled = false;     ///< The last round moved the mean shape by no more than asked.
+  Digest reference;                  ///< Newest reference: the base mesh or the last mean shape.
+  std::vector<int32_t> kept;         ///< Meshes whose alignments a reference job made, ascending.
+  Digest kept_alignments;            ///< Alignment blob of those.
+  std::vector<Digest> variations;    ///< Variation blobs in batch order.
   JobOutputs outputs;
 
   [[nodiscard]] int64_t ActiveCount() const { return static_cast<int64_t>(active.size()); }
@@ -57,9 +59,6 @@ struct PlanState {
   [[nodiscard]] bool HasKeptFrame() const { return !spec.reference_job.empty(); }
   /// The first batch that is not kept; those before it are.
   [[nodiscard]] size_t FirstOpenBatch() const;
-  /// Active meshes of the batches that are kept, or of those that are not, ascending.
-  [[nodiscard]] std::vector<int32_t> KeptMeshes() const;
-  [[nodiscard]] std::vector<int32_t> OpenMeshes() const;
 
   /// Takes the mesh that the job names, or else the first that can be used, as base and reference.
   /// @return kFailedPrecondition if the mesh that the job names was rejected.
