@@ -14,6 +14,7 @@ namespace cohort {
 namespace {
 
 constexpr size_t kKeysPerQuery = 500;
+constexpr int64_t kTasksPerPage = 1000;
 
 class TaskWriter {
  public:
@@ -82,27 +83,37 @@ class ActionWriter {
   soci::statement upsert_;
 };
 
+/// Page by page: libpq has all rows of a query in memory before it gives the first.
 absl::Status SelectTasks(soci::session& sql,
                          int64_t job,
                          const std::function<absl::Status(const TaskRecord&)>& visit) {
   TaskRecord task;
   std::string result;
   int64_t given_up = 0;
+  int64_t after = -1;
   soci::statement select =
       (sql.prepare << "SELECT number, epoch, failures, losses, worker, result, last_error, "
-                      "given_up FROM task WHERE job = :job ORDER BY number",
-       soci::use(job), soci::into(task.number), soci::into(task.epoch), soci::into(task.failures),
-       soci::into(task.losses), soci::into(task.worker), soci::into(result),
-       soci::into(task.last_error), soci::into(given_up));
-  select.execute();
-  while (select.fetch()) {
-    task.result.reset();
-    if (!result.empty()) {
-      COHORT_ASSIGN_OR_RETURN(task.result, ResultFromText(result));
+                      "given_up FROM task WHERE job = :job AND number > :after ORDER BY number "
+                      "LIMIT " +
+                          std::to_string(kTasksPerPage),
+       soci::use(job), soci::use(after), soci::into(task.number), soci::into(task.epoch),
+       soci::into(task.failures), soci::into(task.losses), soci::into(task.worker),
+       soci::into(result), soci::into(task.last_error), soci::into(given_up));
+  int64_t rows = 0;
+  do {
+    rows = 0;
+    select.execute();
+    while (select.fetch()) {
+      ++rows;
+      after = task.number;
+      task.result.reset();
+      if (!result.empty()) {
+        COHORT_ASSIGN_OR_RETURN(task.result, ResultFromText(result));
+      }
+      task.given_up = given_up != 0;
+      COHORT_RETURN_IF_ERROR(visit(task));
     }
-    task.given_up = given_up != 0;
-    COHORT_RETURN_IF_ERROR(visit(task));
-  }
+  } while (rows == kTasksPerPage);
   return absl::OkStatus();
 }
 

@@ -288,6 +288,25 @@ TEST_P(CatalogJobsTest, TellsTheUnfinishedJobsOldestFirst) {
   ExpectEqual(unfinished[1], jobs[4]);
 }
 
+TEST_P(CatalogJobsTest, HandsOutMoreTasksThanAPageInTheirOrder) {
+  const Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
+  for (const int64_t count : {999, 1000, 1001, 2000, 2500}) {
+    std::vector<TaskRecord> tasks;
+    for (int64_t number = 0; number < count; ++number) {
+      tasks.push_back(SomeTask(3 * number));
+    }
+    ASSERT_THAT(testing::SaveTasks(*catalog_, job.id, tasks), IsOk());
+    int64_t next = 0;
+    ASSERT_THAT(catalog_->VisitTasks(job.id,
+                                     [&](const TaskRecord& task) {
+                                       EXPECT_EQ(task.number, 3 * next++);
+                                       return absl::OkStatus();
+                                     }),
+                IsOk());
+    EXPECT_EQ(next, count);
+  }
+}
+
 TEST_P(CatalogJobsTest, StartingOverForgetsAllOfTheTasksButTheirEpochs) {
   Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
   const Job other = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
