@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -27,14 +28,12 @@ const Batch& BatchAt(const PlanState& state, int64_t task) {
 
 /// Takes in an alignment blob per batch, then the rejections of all.
 absl::Status AbsorbAlignments(PlanState& state, std::span<const TaskResult> results) {
-  std::vector<MeshRejection> rejections;
   const size_t first = state.FirstOpenBatch();
   for (size_t i = 0; i < results.size(); ++i) {
     state.batches[first + i].alignment = results[i].output;
     state.batches[first + i].displacement = results[i].second_output;
-    rejections.insert(rejections.end(), results[i].rejections.begin(), results[i].rejections.end());
   }
-  state.Reject(rejections);
+  state.RejectAllOf(results);
   COHORT_RETURN_IF_ERROR(state.CheckEnoughLeft());
   if (state.HasKeptFrame()) {
     return absl::OkStatus();  // The frame needs no mesh of this job.
@@ -81,7 +80,7 @@ class PoseStage final : public Stage {
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
     Task made = MakeBatchTask(TaskKind::kPose, state, task);
     if (state.spec.pose == PoseMode::kLandmarks) {
-      made.targets = state.TaskMeshes({state.base});
+      made.targets = state.TaskMeshes(std::span(&state.base, 1));
       made.landmarks = state.spec.landmarks;
       made.icp = state.spec.icp;
     }

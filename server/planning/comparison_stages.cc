@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "server/planning/block_pairs.h"
 #include "server/planning/kept_bytes.h"
@@ -15,7 +17,8 @@ constexpr int kExpectedIterations = 35;
 constexpr int64_t kBlocksPerSide = 24;      ///< Tiles for some hundreds of slots,
 constexpr double kLeastTileSeconds = 0.05;  ///< unless they would be over sooner than handed out;
 constexpr int64_t kMaxBlockSize = 32;       ///< more if they would grow beyond this
-constexpr double kMostTileBytes = 256e6;    ///< or their distances, where kept, beyond this.
+constexpr double kMostTileBytes = 256e6;    ///< or their distances, where kept, beyond this;
+constexpr double kMostTiles = 1e6;          ///< never more than this where they are not kept.
 
 double SecondsPerLookup(const PlanState& state) {
   return state.spec.arithmetic == Arithmetic::kFidentis ? kFidentisSecondsPerLookup
@@ -33,13 +36,19 @@ int64_t BlockSize(const PlanState& state) {
   const auto least = static_cast<int64_t>(std::sqrt(pairs_at_least / 2));
   const auto most = static_cast<int64_t>(std::sqrt(pairs_at_most / 2));
   const int64_t even = (state.ActiveCount() + kBlocksPerSide - 1) / kBlocksPerSide;
-  return std::clamp<int64_t>(std::min(std::max(even, least), most), 1, kMaxBlockSize);
+  const int64_t size = std::clamp<int64_t>(std::min(std::max(even, least), most), 1, kMaxBlockSize);
+  const Retention retention = ResolvedCompare(state).retention;
+  if (retention == Retention::kVectors || retention == Retention::kCompact) {
+    return size;
+  }
+  const double few = static_cast<double>(state.ActiveCount()) / std::sqrt(2 * kMostTiles);
+  return std::max(size, static_cast<int64_t>(std::ceil(few)));
 }
 
-/// Meshes of a tile.
+/// Meshes of a tile, as the state has them.
 struct TilePlace {
-  std::vector<int32_t> rows;
-  std::vector<int32_t> columns;
+  std::span<const int32_t> rows;
+  std::span<const int32_t> columns;
   bool is_diagonal = false;  ///< Both are the same meshes.
 };
 
@@ -47,10 +56,10 @@ int64_t BlockCount(int64_t meshes, int64_t size) {
   return (meshes + size - 1) / size;
 }
 
-std::vector<int32_t> BlockAt(const std::vector<int32_t>& meshes, int64_t size, int64_t block) {
+std::span<const int32_t> BlockAt(std::span<const int32_t> meshes, int64_t size, int64_t block) {
   const int64_t begin = block * size;
   const int64_t end = std::min(begin + size, std::ssize(meshes));
-  return {meshes.begin() + begin, meshes.begin() + end};
+  return meshes.subspan(static_cast<size_t>(begin), static_cast<size_t>(end - begin));
 }
 
 /// The tiles of a job: of all its meshes with each other; where a reference job has measured some,
@@ -120,7 +129,7 @@ class CompareStage final : public Stage {
 
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
     const TilePlace tile = TileAt(state, task);
-    std::vector<int32_t> both = tile.rows;
+    std::vector<int32_t> both(tile.rows.begin(), tile.rows.end());
     if (!tile.is_diagonal) {
       both.insert(both.end(), tile.columns.begin(), tile.columns.end());
     }
@@ -168,7 +177,7 @@ class AlignAndCompareStage final : public Stage {
     Task made;
     made.kind = TaskKind::kAlignAndCompare;
     made.meshes = state.TaskMeshes(state.active);
-    made.targets = state.TaskMeshes({state.active[static_cast<size_t>(task)]});
+    made.targets = state.TaskMeshes(std::span(state.active).subspan(static_cast<size_t>(task), 1));
     made.alignments = state.AlignmentsOf(state.active);
     made.icp = state.spec.icp;
     made.undersampling = state.spec.undersampling;

@@ -1,5 +1,6 @@
 // Arithmetic::kFidentis: alignments go on from moved float32 meshes, which placed blobs hold.
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
@@ -49,14 +50,11 @@ class FidentisAlignStage final : public Stage {
   }
   [[nodiscard]] absl::Status Absorb(PlanState& state,
                                     std::span<const TaskResult> results) const override {
-    std::vector<MeshRejection> rejections;
     for (size_t i = 0; i < results.size(); ++i) {
       state.batches[i].alignment = results[i].output;
       state.batches[i].placed = results[i].placed;
-      rejections.insert(rejections.end(), results[i].rejections.begin(),
-                        results[i].rejections.end());
     }
-    state.Reject(rejections);
+    state.RejectAllOf(results);
     COHORT_RETURN_IF_ERROR(state.CheckEnoughLeft());
     // The variation map is drawn on the aligned base mesh, whatever the method.
     const JobMesh& base = state.meshes[static_cast<size_t>(state.base)];
@@ -110,7 +108,7 @@ class FidentisSummarizeStage final : public Stage {
     Task made;
     made.kind = TaskKind::kSummarize;
     made.arithmetic = Arithmetic::kFidentis;
-    made.targets = state.TaskMeshes({state.base});
+    made.targets = state.TaskMeshes(std::span(&state.base, 1));
     made.partials = state.PlacedOf(state.active);
     made.compare = state.spec.compare;
     made.compare.retention = Retention::kMetrics;

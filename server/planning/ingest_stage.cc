@@ -77,8 +77,8 @@ class IngestStage final : public Stage {
       for (const IngestedMesh& mesh : result.ingested) {
         state.meshes[static_cast<size_t>(mesh.index)].ingested = mesh;
       }
-      state.Reject(result.rejections);
     }
+    state.RejectAllOf(results);
     RejectPointClouds(state);
     COHORT_RETURN_IF_ERROR(state.CheckEnoughLeft());
     COHORT_RETURN_IF_ERROR(state.ChooseBase());

@@ -68,7 +68,7 @@ double PlanState::VerticesOf(int32_t mesh) const {
                          : static_cast<double>(chosen.mesh.size_bytes) / kBytesPerVertex;
 }
 
-double PlanState::VerticesOf(const std::vector<int32_t>& chosen) const {
+double PlanState::VerticesOf(std::span<const int32_t> chosen) const {
   double sum = 0;
   for (const int32_t mesh : chosen) {
     sum += VerticesOf(mesh);
@@ -81,7 +81,7 @@ const Digest& PlanState::BlobOf(int32_t mesh) const {
   return chosen.copy ? chosen.copy->blob : chosen.ingested->blob;
 }
 
-std::vector<TaskMesh> PlanState::TaskMeshes(const std::vector<int32_t>& chosen) const {
+std::vector<TaskMesh> PlanState::TaskMeshes(std::span<const int32_t> chosen) const {
   std::vector<TaskMesh> result;
   result.reserve(chosen.size());
   for (const int32_t index : chosen) {
@@ -183,6 +183,14 @@ void PlanState::Reject(const std::vector<MeshRejection>& rejections) {
     std::erase_if(batch.meshes, is_rejected);
   }
   std::erase_if(batches, [](const Batch& batch) { return batch.meshes.empty(); });
+}
+
+void PlanState::RejectAllOf(std::span<const TaskResult> results) {
+  std::vector<MeshRejection> rejections;
+  for (const TaskResult& result : results) {
+    rejections.insert(rejections.end(), result.rejections.begin(), result.rejections.end());
+  }
+  Reject(rejections);
 }
 
 absl::Status PlanState::CheckEnoughLeft() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,12 +43,12 @@ struct PlanState {
   [[nodiscard]] int64_t ActiveCount() const { return static_cast<int64_t>(active.size()); }
   /// Known after ingest; before, a guess from the file's size.
   [[nodiscard]] double VerticesOf(int32_t mesh) const;
-  [[nodiscard]] double VerticesOf(const std::vector<int32_t>& chosen) const;
+  [[nodiscard]] double VerticesOf(std::span<const int32_t> chosen) const;
   /// What the job works with in place of the file: the canonical mesh, or its symmetric copy; only
   /// after ingest.
   [[nodiscard]] const Digest& BlobOf(int32_t mesh) const;
   /// With BlobOf; only after ingest.
-  [[nodiscard]] std::vector<TaskMesh> TaskMeshes(const std::vector<int32_t>& chosen) const;
+  [[nodiscard]] std::vector<TaskMesh> TaskMeshes(std::span<const int32_t> chosen) const;
   /// Alignment blobs of the batches that hold `chosen` (active, ascending), each once, in batch
   /// order. Empty while nothing is aligned.
   [[nodiscard]] std::vector<Digest> AlignmentsOf(const std::vector<int32_t>& chosen) const;
@@ -71,6 +72,8 @@ struct PlanState {
   void CollectAlignments();
   /// Takes meshes out of the job; batches left empty are dropped.
   void Reject(const std::vector<MeshRejection>& rejections);
+  /// Those that any of the results rejects.
+  void RejectAllOf(std::span<const TaskResult> results);
   /// @return kFailedPrecondition, naming the first rejections, if fewer than 2 meshes are left.
   [[nodiscard]] absl::Status CheckEnoughLeft() const;
 };

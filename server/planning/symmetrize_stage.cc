@@ -37,9 +37,7 @@ class SymmetrizeStage final : public Stage {
         state.meshes[static_cast<size_t>(copy.index)].copy = copy;
       }
     }
-    for (const TaskResult& result : results) {
-      state.Reject(result.rejections);
-    }
+    state.RejectAllOf(results);
     COHORT_RETURN_IF_ERROR(state.CheckEnoughLeft());
     return state.ChooseBase();
   }

@@ -46,6 +46,18 @@ TEST(PlanTasks, CarryTheOptionsOfTheJob) {
   EXPECT_EQ(compared, 3);
 }
 
+TEST(PlanTasks, AreAMillionTilesAtMostWhereDistancesAreNotKept) {
+  FakeJob job(20000);
+  JobSpec spec = SpecOf(Method::kNone);
+  spec.compare.retention = Retention::kMetrics;
+  int64_t tiles = 0;
+  for (const StageForecast& stage : job.Plan(spec)->Forecast().stages) {
+    tiles += stage.name == "compare" ? stage.tasks : 0;
+  }
+  EXPECT_GT(tiles, 900'000);
+  EXPECT_LE(tiles, 1'001'000);
+}
+
 struct Batching {
   int meshes;
   size_t ingest_size;
