@@ -83,37 +83,48 @@ class ActionWriter {
   soci::statement upsert_;
 };
 
+/// The next tasks after number `after`, a page of them. @return how many there were.
+absl::StatusOr<int64_t> SelectPage(soci::session& sql,
+                                   int64_t job,
+                                   int64_t after,
+                                   const std::function<absl::Status(const TaskRecord&)>& visit) {
+  TaskRecord task;
+  std::string result;
+  int64_t given_up = 0;
+  soci::statement select =
+      (sql.prepare << "SELECT number, epoch, failures, losses, worker, result, last_error, "
+                      "given_up FROM task WHERE job = :job AND number > :after ORDER BY number "
+                      "LIMIT :limit",
+       soci::use(job), soci::use(after), soci::use(kTasksPerPage), soci::into(task.number),
+       soci::into(task.epoch), soci::into(task.failures), soci::into(task.losses),
+       soci::into(task.worker), soci::into(result), soci::into(task.last_error),
+       soci::into(given_up));
+  select.execute();
+  int64_t rows = 0;
+  while (select.fetch()) {
+    ++rows;
+    task.result.reset();
+    if (!result.empty()) {
+      COHORT_ASSIGN_OR_RETURN(task.result, ResultFromText(result));
+    }
+    task.given_up = given_up != 0;
+    COHORT_RETURN_IF_ERROR(visit(task));
+  }
+  return rows;
+}
+
 /// Page by page: libpq has all rows of a query in memory before it gives the first.
 absl::Status SelectTasks(soci::session& sql,
                          int64_t job,
                          const std::function<absl::Status(const TaskRecord&)>& visit) {
-  TaskRecord task;
-  std::string result;
-  int64_t given_up = 0;
-  int64_t after = -1;
-  soci::statement select =
-      (sql.prepare << "SELECT number, epoch, failures, losses, worker, result, last_error, "
-                      "given_up FROM task WHERE job = :job AND number > :after ORDER BY number "
-                      "LIMIT " +
-                          std::to_string(kTasksPerPage),
-       soci::use(job), soci::use(after), soci::into(task.number), soci::into(task.epoch),
-       soci::into(task.failures), soci::into(task.losses), soci::into(task.worker),
-       soci::into(result), soci::into(task.last_error), soci::into(given_up));
-  int64_t rows = 0;
-  do {
-    rows = 0;
-    select.execute();
-    while (select.fetch()) {
-      ++rows;
-      after = task.number;
-      task.result.reset();
-      if (!result.empty()) {
-        COHORT_ASSIGN_OR_RETURN(task.result, ResultFromText(result));
-      }
-      task.given_up = given_up != 0;
-      COHORT_RETURN_IF_ERROR(visit(task));
-    }
-  } while (rows == kTasksPerPage);
+  int64_t last = -1;
+  int64_t rows = kTasksPerPage;
+  while (rows == kTasksPerPage) {
+    COHORT_ASSIGN_OR_RETURN(rows, SelectPage(sql, job, last, [&](const TaskRecord& task) {
+                              last = task.number;
+                              return visit(task);
+                            }));
+  }
   return absl::OkStatus();
 }
 
