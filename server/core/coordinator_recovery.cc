@@ -75,7 +75,8 @@ absl::Status Coordinator::RecoverJob(const Job& job) {
     const TaskId id{.job = job.id, .number = record.number};
     const TaskAttempts attempts{
         .epoch = record.epoch, .failures = record.failures, .losses = record.losses};
-    if (!active.unlooked.Contains(record.number)) {
+    // What another version has done is under another number, if it is known at all.
+    if (active.is_started_over || !active.unlooked.Contains(record.number)) {
       active.earlier_attempts[record.number] = attempts;
       continue;
     }
