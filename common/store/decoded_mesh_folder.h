@@ -18,7 +18,7 @@
 namespace cohort {
 
 /// Decoded meshes in a folder that the workers of one machine share: what one of them has decoded
-/// the others read from memory, in a fifth of the time that Draco takes.
+/// the others read. Worth it in memory only: on a disk, writing it costs what decoding does.
 ///
 /// The least recently used go first once the folder holds more than its limit (FolderLimit). Every
 /// read is checked; a damaged file is dropped. A folder that cannot be written costs speed, nothing
