@@ -1,15 +1,16 @@
 #include "client/memory_folder.h"
 
-#include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include <absl/strings/numbers.h>
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr int64_t kMostMegabytes = 2048;
 constexpr int64_t kLeastMegabytes = 16;
 constexpr int64_t kBytesPerMegabyte = 1'000'000;
-constexpr std::string_view kPrefix = "cohort-run-";  ///< Then the process's number.
+constexpr std::string_view kPrefix = "cohort-run-";  ///< Then the process's number, "-", letters.
 
 /// MemAvailable of /proc/meminfo; no limit where that is not told.
 int64_t FreeMemoryMegabytes() {
@@ -53,9 +54,13 @@ void SweepDead(const fs::path& root) {
   for (fs::directory_iterator entry(root, error); !error && entry != fs::directory_iterator();
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
+    if (!name.starts_with(kPrefix)) {
+      continue;
+    }
+    const std::string number = name.substr(kPrefix.size(), name.rfind('-') - kPrefix.size());
     int process = 0;
-    if (name.starts_with(kPrefix) && absl::SimpleAtoi(name.substr(kPrefix.size()), &process) &&
-        process > 0 && ::kill(process, 0) != 0 && errno == ESRCH) {
+    if (absl::SimpleAtoi(number, &process) && process > 0 && ::kill(process, 0) != 0 &&
+        errno == ESRCH) {
       std::error_code ignored;  // Another user's, or another sweep's.
       fs::remove_all(entry->path(), ignored);
     }
@@ -70,11 +75,9 @@ std::unique_ptr<MemoryFolder> MemoryFolder::Create(const fs::path& root) {
   if (megabytes < kLeastMegabytes) {
     return nullptr;
   }
-  const fs::path path = root / (std::string(kPrefix) + std::to_string(getpid()));
-  // A folder of this name is left by a dead process that had our number.
-  std::error_code error;
-  fs::remove_all(path, error);
-  if (::mkdir(path.c_str(), S_IRWXU) != 0) {
+  std::string path =
+      (root / (std::string(kPrefix) + std::to_string(getpid()) + "-XXXXXX")).string();
+  if (::mkdtemp(path.data()) == nullptr) {
     return nullptr;
   }
   return std::unique_ptr<MemoryFolder>(new MemoryFolder(path, megabytes));

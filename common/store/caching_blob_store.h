@@ -16,8 +16,8 @@ namespace cohort {
 ///
 /// The least recently read blobs go first once the folder holds more than its limit (FolderLimit).
 /// Several processes may share a folder. Every read is checked against the digest; a damaged file
-/// is dropped and fetched again. A folder that cannot be written costs speed, nothing
-/// else. Thread-safe.
+/// is dropped and fetched again. A folder that cannot be written costs speed, nothing else.
+/// Thread-safe.
 class CachingBlobStore final : public BlobStore {
  public:
   /// @param max_bytes  > 0; larger blobs are not kept.

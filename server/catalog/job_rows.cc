@@ -123,8 +123,7 @@ absl::Status InsertJob(soci::session& sql,
          "created_unix_ms, started_unix_ms, finished_unix_ms, meshes, rejected_meshes, progress, "
          "counters, outputs, plan_version, results_version) VALUES (:number, :request_id, "
          ":set_name, :spec, :state, :error, :version, :created, :started, :finished, :meshes, "
-         ":rejected, :progress, :counters, "
-         ":outputs, :plan_version, :results_version)",
+         ":rejected, :progress, :counters, :outputs, :plan_version, :results_version)",
       soci::use(number), soci::use(request_id), soci::use(job.set), soci::use(spec),
       soci::use(state), soci::use(job.error), soci::use(job.version),
       soci::use(job.created_unix_ms), soci::use(job.started_unix_ms),

@@ -44,8 +44,8 @@ TEST(MemoryFolderTest, IsThereUntilItsObjectGoes) {
 
 TEST(MemoryFolderTest, WhatDeadProcessesLeftIsRemovedAndNothingElse) {
   const testing::ScratchFolder root;
-  const fs::path dead = root.Path() / ("cohort-run-" + std::to_string(DeadProcess()));
-  const fs::path alive = root.Path() / ("cohort-run-" + std::to_string(getppid()));
+  const fs::path dead = root.Path() / ("cohort-run-" + std::to_string(DeadProcess()) + "-a1B2c3");
+  const fs::path alive = root.Path() / ("cohort-run-" + std::to_string(getppid()) + "-a1B2c3");
   const fs::path other = root.Path() / "cohort-run-x";
   for (const fs::path& path : {dead, alive, other}) {
     fs::create_directories(path / "below");
@@ -57,6 +57,18 @@ TEST(MemoryFolderTest, WhatDeadProcessesLeftIsRemovedAndNothingElse) {
   EXPECT_FALSE(fs::exists(dead));
   EXPECT_TRUE(fs::exists(alive));
   EXPECT_TRUE(fs::exists(other));
+}
+
+TEST(MemoryFolderTest, OneProcessMayHaveSeveral) {
+  const testing::ScratchFolder root;
+  const auto one = MemoryFolder::Create(root.Path());
+  auto two = MemoryFolder::Create(root.Path());
+  ASSERT_NE(two, nullptr);
+  EXPECT_NE(one->Path(), two->Path());
+
+  two.reset();
+
+  EXPECT_TRUE(fs::exists(one->Path()));
 }
 
 TEST(MemoryFolderTest, NoRootIsNoFolder) {
