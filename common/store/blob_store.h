@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -46,6 +48,10 @@ class BlobStore {
 
   /// Writes a whole blob. @return as BlobWriter.
   [[nodiscard]] absl::StatusOr<Digest> Put(std::string_view bytes);
+  /// Writes whole blobs; where syncing is dear, it is done once for all of them.
+  /// @return their digests, in the order of `blobs`; as BlobWriter, and some may be written then.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<Digest>> PutAll(
+      std::span<const std::string_view> blobs);
   /// Reads a whole blob. @return as Open and BlobReader.
   [[nodiscard]] absl::StatusOr<std::string> Get(const Digest& digest);
 };

@@ -112,6 +112,11 @@ absl::StatusOr<bool> DirectoryBlobStore::Contains(const Digest& digest) {
   return ErrnoStatus(errno, "stat", path);
 }
 
+absl::StatusOr<std::vector<Digest>> DirectoryBlobStore::PutAll(
+    std::span<const std::string_view> blobs) {
+  return WriteBlobFiles(root_, blobs, durability_);
+}
+
 absl::Status DirectoryBlobStore::Visit(
     const std::function<absl::Status(const StoredBlob&)>& visit) {
   std::error_code error;

@@ -26,6 +26,8 @@ class DirectoryBlobStore final : public ManagedBlobStore {
   [[nodiscard]] absl::StatusOr<std::unique_ptr<BlobWriter>> StartPut() override;
   [[nodiscard]] absl::StatusOr<std::unique_ptr<BlobReader>> Open(const Digest& digest) override;
   [[nodiscard]] absl::StatusOr<bool> Contains(const Digest& digest) override;
+  [[nodiscard]] absl::StatusOr<std::vector<Digest>> PutAll(
+      std::span<const std::string_view> blobs) override;
 
   [[nodiscard]] absl::Status Visit(
       const std::function<absl::Status(const StoredBlob&)>& visit) override;

@@ -113,14 +113,22 @@ class FileBlobWriter final : public BlobWriter {
   }
 
   [[nodiscard]] absl::StatusOr<Digest> Commit() override {
+    COHORT_ASSIGN_OR_RETURN(IncomingFile incoming, End());
+    const absl::Status installed = InstallBlobFiles(std::span(&incoming, 1), root_, durability_);
+    NoteInstalled(incoming);
+    COHORT_RETURN_IF_ERROR(installed);
+    return incoming.digest;
+  }
+
+  /// Commit in parts: what is to be given to InstallBlobFiles,
+  [[nodiscard]] absl::StatusOr<IncomingFile> End() {
     assert(!committed_);
     committed_ = true;
     COHORT_RETURN_IF_ERROR(appended_);
-    const Digest digest = hash_.Finish();
-    COHORT_ASSIGN_OR_RETURN(renamed_,
-                            InstallBlobFile(file_, incoming_, root_, digest, durability_));
-    return digest;
+    return IncomingFile{.file = file_, .path = incoming_, .digest = hash_.Finish()};
   }
+  /// and what has come of it.
+  void NoteInstalled(const IncomingFile& incoming) { renamed_ = incoming.became_blob; }
 
  private:
   FileDescriptor file_;
@@ -132,6 +140,14 @@ class FileBlobWriter final : public BlobWriter {
   bool committed_ = false;
   bool renamed_ = false;
 };
+
+absl::StatusOr<std::unique_ptr<FileBlobWriter>> StartWriter(const fs::path& root,
+                                                            Durability durability) {
+  fs::path incoming = UniqueIncomingPath(root);
+  COHORT_ASSIGN_OR_RETURN(FileDescriptor file,
+                          OpenFile(incoming, O_WRONLY | O_CREAT | O_EXCL, 0600));
+  return std::make_unique<FileBlobWriter>(std::move(file), std::move(incoming), root, durability);
+}
 
 /// A name that no other writer uses, on this machine or another: the process, a count in it, and 64
 /// random bits for machines that share the root over a network.
@@ -180,10 +196,29 @@ absl::StatusOr<std::unique_ptr<BlobReader>> OpenBlobFile(const fs::path& root,
 
 absl::StatusOr<std::unique_ptr<BlobWriter>> StartBlobFile(const fs::path& root,
                                                           Durability durability) {
-  fs::path incoming = UniqueIncomingPath(root);
-  COHORT_ASSIGN_OR_RETURN(FileDescriptor file,
-                          OpenFile(incoming, O_WRONLY | O_CREAT | O_EXCL, 0600));
-  return std::make_unique<FileBlobWriter>(std::move(file), std::move(incoming), root, durability);
+  return StartWriter(root, durability);
+}
+
+absl::StatusOr<std::vector<Digest>> WriteBlobFiles(const fs::path& root,
+                                                   std::span<const std::string_view> blobs,
+                                                   Durability durability) {
+  std::vector<std::unique_ptr<FileBlobWriter>> writers;
+  std::vector<IncomingFile> files;
+  std::vector<Digest> digests;
+  for (const std::string_view blob : blobs) {
+    COHORT_ASSIGN_OR_RETURN(auto writer, StartWriter(root, durability));
+    COHORT_RETURN_IF_ERROR(writer->Append(blob));
+    COHORT_ASSIGN_OR_RETURN(const IncomingFile file, writer->End());
+    files.push_back(file);
+    digests.push_back(file.digest);
+    writers.push_back(std::move(writer));
+  }
+  const absl::Status installed = InstallBlobFiles(files, root, durability);
+  for (size_t i = 0; i < files.size(); ++i) {
+    writers[i]->NoteInstalled(files[i]);
+  }
+  COHORT_RETURN_IF_ERROR(installed);
+  return digests;
 }
 
 }  // namespace cohort

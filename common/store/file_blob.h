@@ -2,6 +2,9 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include <absl/status/statusor.h>
 
@@ -35,6 +38,12 @@ enum class Durability {
 /// Writes a file aside; it is gone after the writer unless Commit made it a blob.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<BlobWriter>> StartBlobFile(
     const std::filesystem::path& root, Durability durability);
+
+/// BlobStore::PutAll.
+[[nodiscard]] absl::StatusOr<std::vector<Digest>> WriteBlobFiles(
+    const std::filesystem::path& root,
+    std::span<const std::string_view> blobs,
+    Durability durability);
 
 /// Where an upload that may be gone on with is kept.
 [[nodiscard]] std::filesystem::path UploadPath(const std::filesystem::path& root,

@@ -1,21 +1,28 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
-#include <absl/status/statusor.h>
+#include <absl/status/status.h>
 
 #include "common/store/file_blob.h"
 #include "common/store/posix_file.h"
 
 namespace cohort {
 
-/// Makes a whole written file the blob of its digest, durably. A good blob that is there is kept
-/// and made young.
-/// @return whether `incoming` has become the blob; if not, it is still there.
-[[nodiscard]] absl::StatusOr<bool> InstallBlobFile(const FileDescriptor& file,
-                                                   const std::filesystem::path& incoming,
-                                                   const std::filesystem::path& root,
-                                                   const Digest& digest,
-                                                   Durability durability);
+/// A whole written file that is to become a blob.
+struct IncomingFile {
+  const FileDescriptor& file;
+  const std::filesystem::path& path;
+  Digest digest;
+  bool became_blob = false;  ///< Set by InstallBlobFiles; if not, the file is still there.
+};
+
+/// Makes the files the blobs of their digests, durably. Good blobs that are there are kept and made
+/// young. The file system is asked to make all of them durable together, which is several times as
+/// fast as one after the other.
+[[nodiscard]] absl::Status InstallBlobFiles(std::span<IncomingFile> files,
+                                            const std::filesystem::path& root,
+                                            Durability durability);
 
 }  // namespace cohort

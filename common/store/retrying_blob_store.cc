@@ -88,6 +88,16 @@ absl::StatusOr<bool> RetryingBlobStore::Contains(const Digest& digest) {
   return exists;
 }
 
+absl::StatusOr<std::vector<Digest>> RetryingBlobStore::PutAll(
+    std::span<const std::string_view> blobs) {
+  std::vector<Digest> digests;
+  COHORT_RETURN_IF_ERROR(Insist([&]() -> absl::Status {
+    COHORT_ASSIGN_OR_RETURN(digests, source_->PutAll(blobs));
+    return absl::OkStatus();
+  }));
+  return digests;
+}
+
 absl::Status RetryingBlobStore::Insist(const std::function<absl::Status()>& call) const {
   const auto give_up = steady_clock::now() + Seconds(patience_.total_seconds);
   double pause_seconds = patience_.first_pause_seconds;

@@ -30,6 +30,8 @@ class RetryingBlobStore final : public BlobStore {
   /// Reads and checks the whole blob.
   [[nodiscard]] absl::StatusOr<std::unique_ptr<BlobReader>> Open(const Digest& digest) override;
   [[nodiscard]] absl::StatusOr<bool> Contains(const Digest& digest) override;
+  [[nodiscard]] absl::StatusOr<std::vector<Digest>> PutAll(
+      std::span<const std::string_view> blobs) override;
 
  private:
   friend class RetryingBlobWriter;

@@ -71,9 +71,9 @@ class UploadWriter final : public BlobWriter {
                                            ", announced was ", digest_.Hex(), "; send them again")),
           "UPLOAD_DAMAGED");
     }
-    COHORT_ASSIGN_OR_RETURN(const bool is_renamed,
-                            InstallBlobFile(file_, path_, root_, digest_, Durability::kSynced));
-    if (!is_renamed) {
+    IncomingFile incoming{.file = file_, .path = path_, .digest = digest_};
+    COHORT_RETURN_IF_ERROR(InstallBlobFiles(std::span(&incoming, 1), root_, Durability::kSynced));
+    if (!incoming.became_blob) {
       ::unlink(path_.c_str());
     }
     return digest_;

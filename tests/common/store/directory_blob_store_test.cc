@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -69,6 +70,34 @@ TEST_F(DirectoryBlobStoreTest, GivesBackWhatWasPut) {
   EXPECT_THAT(store_->Get(*digest), IsOkAndHolds(bytes));
   EXPECT_THAT(store_->Contains(*digest), IsOkAndHolds(true));
   EXPECT_THAT(Incoming(), IsEmpty());
+}
+
+TEST_F(DirectoryBlobStoreTest, TakesManyBlobsAtOnce) {
+  const Digest there = store_->Put("was there").value();
+  const std::string large = SomeBytes(1'500'000);
+  const std::vector<std::string_view> blobs = {"one", large, "was there", "", "one"};
+
+  const absl::StatusOr<std::vector<Digest>> digests = store_->PutAll(blobs);
+
+  ASSERT_THAT(digests, IsOk());
+  ASSERT_EQ(digests->size(), blobs.size());
+  for (size_t i = 0; i < blobs.size(); ++i) {
+    EXPECT_EQ((*digests)[i], Sha256::Of(blobs[i]));
+    EXPECT_THAT(store_->Get((*digests)[i]), IsOkAndHolds(std::string(blobs[i])));
+  }
+  EXPECT_EQ((*digests)[2], there);
+  EXPECT_THAT(Incoming(), IsEmpty()) << "what was there already leaves nothing behind";
+  EXPECT_THAT(store_->PutAll({}), IsOkAndHolds(std::vector<Digest>()));
+}
+
+TEST_F(DirectoryBlobStoreTest, MendsDamagedBlobsAmongMany) {
+  const Digest damaged = store_->Put("abc").value();
+  Damage(damaged, "abd");
+  const std::vector<std::string_view> blobs = {"abc", "def"};
+
+  ASSERT_THAT(store_->PutAll(blobs), IsOk());
+
+  EXPECT_THAT(store_->Get(damaged), IsOkAndHolds(std::string("abc")));
 }
 
 TEST_F(DirectoryBlobStoreTest, HoldsTheEmptyBlob) {
@@ -292,6 +321,23 @@ TEST(DirectoryBlobStore, SaysWhenTheDiskIsFullAndRecovers) {
   EXPECT_THAT(large, StatusIs(absl::StatusCode::kResourceExhausted, disk.Path().string()));
   EXPECT_THAT(store->Get(small), IsOkAndHolds(std::string("abc")));
   EXPECT_THAT(store->Put(SomeBytes(500'000)), IsOk());
+}
+
+TEST(DirectoryBlobStore, WritesNoneOfManyBlobsThatDoNotFit) {
+  const SmallDisk disk("1m");
+  if (!disk.Mounted()) {
+    GTEST_SKIP() << "cannot mount a small disk: not root";
+  }
+  const std::unique_ptr<DirectoryBlobStore> store = DirectoryBlobStore::Create(disk.Path()).value();
+  const std::string large = SomeBytes(2'000'000);
+  const std::vector<std::string_view> blobs = {"abc", large, "def"};
+
+  EXPECT_THAT(store->PutAll(blobs),
+              StatusIs(absl::StatusCode::kResourceExhausted, "No space left on device"));
+
+  EXPECT_THAT(store->Contains(Sha256::Of("abc")), IsOkAndHolds(false));
+  EXPECT_TRUE(fs::is_empty(disk.Path() / "incoming"));
+  EXPECT_THAT(store->PutAll(std::vector<std::string_view>{"abc", "def"}), IsOk());
 }
 
 TEST(DirectoryBlobStore, NeverCommitsAfterAFailedAppend) {

@@ -3,7 +3,9 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -64,6 +66,18 @@ class RetryingBlobStoreTest : public ::testing::Test {
   std::stop_source stop_;
   std::unique_ptr<RetryingBlobStore> store_;
 };
+
+TEST_F(RetryingBlobStoreTest, WritesManyBlobsOnceTheStoreIsBack) {
+  Make(kQuick);
+  absent_->failures = 3;
+  const std::vector<std::string_view> blobs = {"one", "two"};
+
+  const auto digests = store_->PutAll(blobs);
+
+  ASSERT_THAT(digests, IsOk());
+  EXPECT_EQ(*digests, (std::vector<Digest>{Sha256::Of("one"), Sha256::Of("two")}));
+  EXPECT_EQ(absent_->calls, 5);
+}
 
 TEST_F(RetryingBlobStoreTest, WritesAndReadsOnceTheStoreIsBack) {
   Make(kQuick);
