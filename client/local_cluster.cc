@@ -22,6 +22,15 @@ constexpr std::chrono::seconds kStartTime(60);
 
 }  // namespace
 
+std::function<void(const absl::Status&)> EndProgramOnFailure(
+    const std::filesystem::path& data_dir) {
+  return [data_dir](const absl::Status& failure) {
+    std::fprintf(stderr, "\ncohort: logs are in %s; what is done is not done again\ncohort: %s\n",
+                 data_dir.c_str(), std::string(failure.message()).c_str());
+    std::_Exit(EXIT_FAILURE);
+  };
+}
+
 absl::StatusOr<std::unique_ptr<LocalCluster>> LocalCluster::Start(
     const LocalClusterOptions& options) {
   // Workers would refuse it, one after the other.
@@ -57,11 +66,11 @@ absl::StatusOr<std::unique_ptr<LocalCluster>> LocalCluster::Start(
                                      "--exit-with-parent",
                                      parent};
   if (options.workers > 1) {
-    cluster->decoded_ = MemoryFolder::Create();
+    cluster->shared_ = MemoryFolder::Create();
   }
-  if (cluster->decoded_ != nullptr) {
-    worker.insert(worker.end(), {"--decoded-dir", cluster->decoded_->Path().string(),
-                                 "--decoded-mb", std::to_string(cluster->decoded_->Megabytes())});
+  if (cluster->shared_ != nullptr) {
+    worker.insert(worker.end(), {"--share-dir", cluster->shared_->Path().string(), "--share-mb",
+                                 std::to_string(cluster->shared_->Megabytes())});
   }
   for (int i = 1; i <= options.workers; ++i) {
     COHORT_RETURN_IF_ERROR(
@@ -104,11 +113,18 @@ std::filesystem::path LocalCluster::LogOf(const std::string& name) const {
 
 void LocalCluster::Supervise() {
   while (!stopping_) {
+    absl::Status health;
     {
       MutexLock lock(mutex_);
       for (Member& member : members_) {
         RestartIfDead(member);
       }
+      health = health_;
+    }
+    if (!health.ok() && options_.on_failure) {
+      StopMembers();
+      options_.on_failure(health);
+      return;
     }
     std::this_thread::sleep_for(kSuperviseStep);
   }
@@ -148,6 +164,10 @@ void LocalCluster::Stop() {
   if (supervisor_.joinable()) {
     supervisor_.join();
   }
+  StopMembers();
+}
+
+void LocalCluster::StopMembers() {
   MutexLock lock(mutex_);
   // Workers first: they give their tasks back to a server that is still there.
   for (Member& member : members_) {
@@ -161,7 +181,7 @@ void LocalCluster::Stop() {
   members_.clear();
   std::error_code ignored;  // A temporary folder left behind harms nobody.
   std::filesystem::remove_all(socket_dir_, ignored);
-  decoded_.reset();
+  shared_.reset();
 }
 
 LocalCluster::~LocalCluster() {

@@ -64,8 +64,8 @@ absl::Status WorkerLoop::Run(const std::stop_token& stop) {
     MutexLock lock(mutex_);
     Reap();
     const auto deadline = In(pause_seconds);
-    // The server says when to call again; sooner when a task has ended, if it can be reached.
-    while (!stop.stop_requested() && (!status.ok() || !reaped_) &&
+    // The server says when to call again; sooner when there is news, if it can be reached.
+    while (!stop.stop_requested() && (!status.ok() || !has_news_) &&
            slot_freed_.WaitUntil(mutex_, deadline)) {
       Reap();
     }
@@ -79,15 +79,19 @@ WorkerReport WorkerLoop::MakeReport() {
   report.build = options_.build;
   report.slots = options_.slots;
   report.instruction_set = options_.instruction_set;
+  int written = 0;
   {
     MutexLock lock(mutex_);
     Reap();
-    reaped_ = false;
+    has_news_ = false;
     for (const auto& [lease, running] : running_) {
       report.held.push_back({.lease = lease, .ticks = *running.ticks});
+      written += running.computed ? 1 : 0;
     }
   }
-  const int held = static_cast<int>(report.held.size());
+  // A task that is being written leaves its slot to another; not more of them than slots, so that
+  // they do not heap up before a slow store.
+  const int held = static_cast<int>(report.held.size()) - std::min(written, options_.slots);
   report.free_slots = std::max(0, options_.slots - held);
   report.spare_slots =
       std::max(0, options_.slots + options_.spare_slots - held - report.free_slots);
@@ -134,11 +138,14 @@ void WorkerLoop::Start(const GrantedTask& granted) {
 void WorkerLoop::RunSlot(const GrantedTask& granted,
                          const std::stop_token& stop,
                          std::atomic<int64_t>& ticks) {
-  const absl::StatusOr<TaskResult> result = runner_.Run(granted.task, stop, ticks, [&] {
+  TaskHooks hooks;
+  hooks.on_begin = [&] {
     spdlog::debug("event=task_begun worker={} job={} task={} stage=\"{}\" epoch={}",
                   options_.worker.value, granted.lease.task.job.value, granted.task.number,
                   granted.task.stage, granted.lease.epoch);
-  });
+  };
+  hooks.on_computed = [&] { NoteComputed(granted.lease); };
+  const absl::StatusOr<TaskResult> result = runner_.Run(granted.task, stop, ticks, hooks);
   Report(granted.lease, result, stop);
   MutexLock lock(mutex_);
   running_.at(granted.lease).finished = true;
@@ -185,6 +192,18 @@ void WorkerLoop::Report(const Lease& lease,
   }
 }
 
+void WorkerLoop::NoteComputed(const Lease& lease) {
+  const MutexLock lock(mutex_);
+  running_.at(lease).computed = true;
+  const bool has_next = std::any_of(running_.begin(), running_.end(), [](const auto& held) {
+    return !held.second.finished && *held.second.ticks == HeldTask::kNotBegun;
+  });
+  if (!has_next) {  // Asked for now, it is there when the slot would stand empty.
+    has_news_ = true;
+    slot_freed_.NotifyAll();
+  }
+}
+
 void WorkerLoop::NoteEnded(const Lease& lease, const absl::StatusOr<TaskResult>& result) {
   const double seconds = result.ok() ? result->seconds : 0;
   spdlog::debug("event=task_reported worker={} job={} task={} epoch={} seconds={:.3f} status={}",
@@ -217,7 +236,7 @@ void WorkerLoop::Reap() {
     if (it->second.finished) {
       it->second.thread.join();  // Only leaves its last lock; does not block.
       it = running_.erase(it);
-      reaped_ = true;
+      has_news_ = true;
     } else {
       ++it;
     }

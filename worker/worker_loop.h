@@ -63,6 +63,7 @@ class WorkerLoop {
     std::shared_ptr<std::atomic<int64_t>> ticks =
         std::make_shared<std::atomic<int64_t>>(HeldTask::kNotBegun);
     std::thread thread;
+    bool computed = false;  ///< Only writes and reports now.
     bool finished = false;
   };
 
@@ -74,6 +75,8 @@ class WorkerLoop {
                const std::stop_token& stop,
                std::atomic<int64_t>& ticks);
   void Report(const Lease& lease, absl::StatusOr<TaskResult> result, const std::stop_token& stop);
+  /// The task has given its slot back.
+  void NoteComputed(const Lease& lease) ABSL_LOCKS_EXCLUDED(mutex_);
   /// The server has heard of the task's end.
   void NoteEnded(const Lease& lease, const absl::StatusOr<TaskResult>& result);
   /// Joins threads whose task is over.
@@ -87,9 +90,10 @@ class WorkerLoop {
   CondVar slot_freed_;
   std::map<Lease, Running> running_ ABSL_GUARDED_BY(mutex_);
   WorkerFigures figures_ ABSL_GUARDED_BY(mutex_);  ///< Its totals.
-  bool reaped_ ABSL_GUARDED_BY(mutex_) = false;    ///< A task has ended since the last report.
-  std::atomic<double> lease_seconds_ = 60;         ///< As the server last said.
-  double next_sync_seconds_ = 1;                   ///< Used by Run only.
+  /// A task has ended, or a slot has nothing to compute, since the last report.
+  bool has_news_ ABSL_GUARDED_BY(mutex_) = false;
+  std::atomic<double> lease_seconds_ = 60;  ///< As the server last said.
+  double next_sync_seconds_ = 1;            ///< Used by Run only.
 };
 
 }  // namespace cohort

@@ -9,6 +9,7 @@
 #include <exception>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <random>
 #include <thread>
 
@@ -25,9 +26,9 @@
 #include "common/rpc/channel.h"
 #include "common/rpc/rpc_blob_store.h"
 #include "common/store/caching_blob_store.h"
-#include "common/store/decoded_mesh_folder.h"
 #include "common/store/directory_blob_store.h"
 #include "common/store/retrying_blob_store.h"
+#include "common/store/shared_folder.h"
 #include "worker/grpc_coordinator_link.h"
 #include "worker/worker_loop.h"
 #include "worker/worker_metrics.h"
@@ -87,10 +88,11 @@ CLI::App* AddOptions(CLI::App& app, WorkerOptions& options) {
   app.add_option("--cache-disk-mb", options.cache_disk_mb,
                  "how much of them; the least recently read go first")
       ->capture_default_str();
-  app.add_option("--decoded-dir", options.decoded_dir,
-                 "share decoded meshes with the other workers of this machine in this folder; best "
-                 "in memory (/dev/shm) or on a fast disk");
-  app.add_option("--decoded-mb", options.decoded_mb,
+  app.add_option(
+      "--share-dir", options.share_dir,
+      "share meshes that are ready to be compared with the other workers of this machine "
+      "in this folder; best in memory (/dev/shm)");
+  app.add_option("--share-mb", options.share_mb,
                  "how much of them; the least recently used go first")
       ->capture_default_str();
   app.add_option("--name", options.name, "name in logs; must be unique");
@@ -127,8 +129,8 @@ absl::Status WorkerOptions::Validate() const {
     return absl::InvalidArgumentError("--cache-disk-mb " + std::to_string(cache_disk_mb) +
                                       ": expected 1 to 1000000000");
   }
-  if (decoded_mb < 1 || decoded_mb > 1'000'000'000) {
-    return absl::InvalidArgumentError("--decoded-mb " + std::to_string(decoded_mb) +
+  if (share_mb < 1 || share_mb > 1'000'000'000) {
+    return absl::InvalidArgumentError("--share-mb " + std::to_string(share_mb) +
                                       ": expected 1 to 1000000000");
   }
   if (!(drain_seconds >= 0 && drain_seconds <= 86400)) {
@@ -148,12 +150,14 @@ absl::Status RunWorker(const WorkerOptions& options) {
   std::stop_source stop;
   COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<BlobStore> store,
                           OpenStore(options, channel, address, stop.get_token()));
-  std::unique_ptr<DecodedMeshFolder> decoded;
-  if (!options.decoded_dir.empty()) {
-    COHORT_ASSIGN_OR_RETURN(
-        decoded, DecodedMeshFolder::Create(options.decoded_dir, options.decoded_mb * 1'000'000));
+  std::unique_ptr<SharedFolder> folder;
+  std::optional<SharedMeshes> shared;
+  if (!options.share_dir.empty()) {
+    COHORT_ASSIGN_OR_RETURN(folder,
+                            SharedFolder::Create(options.share_dir, options.share_mb * 1'000'000));
+    shared.emplace(*folder);
   }
-  MeshCache meshes(*store, options.cache_mb << 20, decoded.get());
+  MeshCache meshes(*store, options.cache_mb << 20, shared ? &*shared : nullptr);
   GrpcCoordinatorLink link(channel, address);
   WorkerLoopOptions loop_options;
   loop_options.worker = WorkerId{options.name.empty() ? MakeWorkerName() : options.name};

@@ -13,8 +13,8 @@ struct WorkerOptions {
   int64_t cache_mb = 256;  ///< Decoded meshes kept in memory.
   std::string cache_dir;   ///< Folder for blobs fetched from the server; empty: none are kept.
   int64_t cache_disk_mb = 4096;  ///< Its limit.
-  std::string decoded_dir;       ///< Folder where workers share decoded meshes; empty: they do not.
-  int64_t decoded_mb = 2048;     ///< Its limit.
+  std::string share_dir;         ///< Folder where workers share packed meshes; empty: they do not.
+  int64_t share_mb = 2048;       ///< Its limit.
   std::string name;              ///< Shown in logs; empty: host, process and a random part.
   double drain_seconds = 10;
   std::string metrics_listen;  ///< HOST:PORT of http://HOST:PORT/metrics; empty: none.

@@ -111,9 +111,11 @@ absl::StatusOr<int> RunOnCluster(const RunFlags& flags,
                                  const RunInput& input,
                                  const std::filesystem::path& data) {
   BlockStopSignals();
-  COHORT_ASSIGN_OR_RETURN(
-      const std::unique_ptr<LocalCluster> cluster,
-      LocalCluster::Start({.data_dir = data, .workers = flags.workers, .threads = flags.threads}));
+  COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<LocalCluster> cluster,
+                          LocalCluster::Start({.data_dir = data,
+                                               .workers = flags.workers,
+                                               .threads = flags.threads,
+                                               .on_failure = EndProgramOnFailure(data)}));
   std::atomic<bool> done = false;
   std::thread signals([&] { EndOnSignal(*cluster, done); });
   const absl::StatusOr<ResultsDigest> results = Compute(flags, input, *cluster);

@@ -46,7 +46,10 @@ std::string ActionKey(const Task& task) {
                                {"landmarks", task.landmarks.Hex()},
                                {"options", ToJson(options)},
                                {"wants_placed", task.wants_placed},
+                               {"wants_pose", task.wants_pose},
                                {"wants_displacement", task.wants_displacement},
+                               {"wants_variation", task.wants_variation},
+                               {"wants_correspondences", task.wants_correspondences},
                                {"counts_reference_index", task.counts_reference_index},
                                {"moves_reference", task.moves_reference},
                                {"frame_center", task.frame_center}};

@@ -146,6 +146,8 @@ json ToJson(const TaskResult& result) {
   }
   return {{"output", result.output.Hex()},
           {"second_output", result.second_output.Hex()},
+          {"poses", result.poses.Hex()},
+          {"variation", result.variation.Hex()},
           {"ingested", std::move(ingested)},
           {"copies", std::move(copies)},
           {"rejections", std::move(rejections)},
@@ -162,6 +164,8 @@ absl::StatusOr<TaskResult> TaskResultFromJson(const json& json) {
   JsonFields fields(json, "task result", absl::StatusCode::kDataLoss, Presence::kOptional);
   fields.Read("output", result.output);
   fields.Read("second_output", result.second_output);
+  fields.Read("poses", result.poses);
+  fields.Read("variation", result.variation);
   fields.ReadObjects("ingested", [&result](JsonFields& mesh) {
     ReadIngested(mesh, result.ingested.emplace_back());
   });

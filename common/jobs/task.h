@@ -20,7 +20,7 @@ namespace cohort {
 enum class TaskKind : uint8_t {
   kIngest,   ///< raw files -> canonical meshes and health reports
   kPose,     ///< meshes, reference -> coarse poses
-  kAlign,    ///< meshes, reference, starts -> alignments, partial displacement sum
+  kAlign,    ///< meshes, reference, starts -> alignments, partial displacement sum or variation
   kAverage,  ///< reference, partial sums -> next reference
   kCompare,  ///< two blocks of aligned meshes -> all metrics of their pairs, both directions
   kAlignAndCompare,  ///< one target, all sources -> alignments, metrics (method each)
@@ -50,7 +50,7 @@ struct Task {
 
   std::vector<TaskMesh> meshes;   ///< Sources. kCompare, kPreview: rows of the tile.
   std::vector<TaskMesh> targets;  ///< kCompare, kPreview: columns (equal to `meshes` on the
-                                  ///< diagonal); kAlignAndCompare: the one target; kPose with
+                                  ///< diagonal); kAlignAndCompare: the one target; poses by
                                   ///< landmarks, kSummarize of kFidentis: the base mesh.
   Digest reference;               ///< Mesh blob; kPose, kAlign, kAverage, kVariation, kSummarize.
   /// Alignment blobs that together hold `meshes` and `targets`; kAlign: the starts;
@@ -61,7 +61,8 @@ struct Task {
   /// centred); kCompare: that together hold `meshes` and `targets`; kAverage, kSummarize: all.
   std::vector<Digest> partials;
 
-  Digest landmarks;  ///< kPose, kChooseBase: landmark blob; empty: poses by shape.
+  /// kPose, kAlign with wants_pose, kChooseBase: landmark blob; empty: poses by shape.
+  Digest landmarks;
 
   IcpOptions icp;                      ///< kAlign, kAlignAndCompare, kChooseBase, kSymmetrize;
                                        ///< kVariation: correspondence; kPose: scale mode, limit.
@@ -70,13 +71,18 @@ struct Task {
   int position_bits = 18;              ///< kIngest; 0: as in the file.
   Arithmetic arithmetic = Arithmetic::kExact;  ///< All but kIngest.
   bool wants_placed = false;  ///< kFidentis: kAlign, kAlignAndCompare also write a placed blob.
-  bool wants_displacement = false;      ///< kAlign: also write the partial displacement sum;
-                                        ///< kVariation: the correspondences.
+  bool wants_pose = false;  ///< kAlign: start from coarse poses, found as by kPose, and write them.
+  bool wants_displacement = false;      ///< kAlign: also write the partial displacement sum.
+  bool wants_variation = false;         ///< kAlign: also write what kVariation finds.
+  bool wants_correspondences = false;   ///< That also writes the correspondences.
   bool counts_reference_index = false;  ///< The first task of a stage counts the index that all of
                                         ///< them need, so that counts do not depend on who ran it.
-  /// kVariation, kSummarize: the mean shape is the reference and the mean displacement from it.
+  /// kSummarize and what finds the variation: the mean shape is the reference and the mean
+  /// displacement from it.
   bool moves_reference = false;
-  std::array<double, 3> frame_center{};  ///< kCompare: subtracted before distances become float32.
+  /// kCompare: subtracted before distances become float32. kAlign with wants_variation: the same of
+  /// the comparison to come.
+  std::array<double, 3> frame_center{};
 };
 
 /// What decides to whom a task goes.
@@ -142,12 +148,14 @@ struct TaskResult {
   /// kIngest, kSymmetrize: empty. kPose, kAlign: alignment blob. kAverage: mesh blob. kCompare:
   /// tile blob. kAlignAndCompare: tile blob. kVariation: variation blob. kSummarize: summary blob.
   Digest output;
-  Digest second_output;  ///< kAlign: displacement blob, if wanted. kVariation: correspondence
-                         ///< blob, if wanted. kAlignAndCompare: alignment
+  Digest second_output;  ///< kAlign: displacement blob, if wanted. kVariation, kAlign:
+                         ///< correspondence blob, if wanted. kAlignAndCompare: alignment
                          ///< blob. kSummarize: mean shape as mesh blob.
+  Digest poses;          ///< kAlign: alignment blob of the coarse poses, if wanted.
+  Digest variation;      ///< kAlign: variation blob, if wanted.
   Digest placed;         ///< If wanted: the meshes as they were aligned.
-  /// kCompare, kAlignAndCompare: what is kept of the distances; empty: none. kVariation: signatures
-  /// of the meshes, as correspondence blob.
+  /// kCompare, kAlignAndCompare: what is kept of the distances; empty: none. kVariation, kAlign
+  /// with wants_variation: signatures of the meshes, as correspondence blob.
   Digest fields;
   int32_t base = -1;  ///< kChooseBase: index of the mesh.
   double change = 0;  ///< kAverage: RMS over the vertices of how far the reference moved.

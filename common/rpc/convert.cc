@@ -314,7 +314,10 @@ v1::Task ToProto(const Task& task) {
   wire.set_position_bits(task.position_bits);
   wire.set_arithmetic(ToProto(task.arithmetic));
   wire.set_wants_placed(task.wants_placed);
+  wire.set_wants_pose(task.wants_pose);
   wire.set_wants_displacement(task.wants_displacement);
+  wire.set_wants_variation(task.wants_variation);
+  wire.set_wants_correspondences(task.wants_correspondences);
   wire.set_counts_reference_index(task.counts_reference_index);
   wire.set_moves_reference(task.moves_reference);
   wire.mutable_frame_center()->Add(task.frame_center.begin(), task.frame_center.end());
@@ -339,7 +342,10 @@ absl::StatusOr<Task> FromProto(const v1::Task& wire) {
   task.position_bits = wire.position_bits();
   COHORT_ASSIGN_OR_RETURN(task.arithmetic, FromProto(wire.arithmetic()));
   task.wants_placed = wire.wants_placed();
+  task.wants_pose = wire.wants_pose();
   task.wants_displacement = wire.wants_displacement();
+  task.wants_variation = wire.wants_variation();
+  task.wants_correspondences = wire.wants_correspondences();
   task.counts_reference_index = wire.counts_reference_index();
   task.moves_reference = wire.moves_reference();
   COHORT_ASSIGN_OR_RETURN(task.frame_center, PointFromProto(wire.frame_center(), "frame_center"));
@@ -351,6 +357,8 @@ v1::TaskResult ToProto(const TaskResult& result) {
   v1::TaskResult wire;
   wire.set_output_sha256(result.output.Hex());
   wire.set_second_output_sha256(result.second_output.Hex());
+  wire.set_poses_sha256(result.poses.Hex());
+  wire.set_variation_sha256(result.variation.Hex());
   for (const IngestedMesh& mesh : result.ingested) {
     *wire.add_ingested() = ToProto(mesh);
   }
@@ -375,6 +383,8 @@ absl::StatusOr<TaskResult> FromProto(const v1::TaskResult& wire) {
   TaskResult result;
   COHORT_ASSIGN_OR_RETURN(result.output, OptionalDigest(wire.output_sha256()));
   COHORT_ASSIGN_OR_RETURN(result.second_output, OptionalDigest(wire.second_output_sha256()));
+  COHORT_ASSIGN_OR_RETURN(result.poses, OptionalDigest(wire.poses_sha256()));
+  COHORT_ASSIGN_OR_RETURN(result.variation, OptionalDigest(wire.variation_sha256()));
   for (const v1::IngestedMesh& mesh : wire.ingested()) {
     COHORT_ASSIGN_OR_RETURN(IngestedMesh ingested, FromProto(mesh));
     result.ingested.push_back(std::move(ingested));

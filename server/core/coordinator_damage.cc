@@ -21,8 +21,8 @@ constexpr int kMostDamages = 3;
 
 bool Names(const TaskResult& result, const Digest& blob) {
   const auto is_it = [&](const auto& item) { return item.blob == blob; };
-  return result.output == blob || result.second_output == blob || result.placed == blob ||
-         result.fields == blob ||
+  return result.output == blob || result.second_output == blob || result.poses == blob ||
+         result.variation == blob || result.placed == blob || result.fields == blob ||
          std::any_of(result.ingested.begin(), result.ingested.end(), is_it) ||
          std::any_of(result.copies.begin(), result.copies.end(), is_it);
 }

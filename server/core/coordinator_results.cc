@@ -30,7 +30,8 @@ double SecondsBetween(MonotonicTime from, MonotonicTime to) {
 }  // namespace
 
 absl::Status Coordinator::CheckOutputs(const TaskResult& result) {
-  std::vector<Digest> outputs = {result.output, result.second_output, result.placed, result.fields};
+  std::vector<Digest> outputs = {result.output,    result.second_output, result.poses,
+                                 result.variation, result.placed,        result.fields};
   for (const IngestedMesh& mesh : result.ingested) {
     outputs.push_back(mesh.blob);
   }

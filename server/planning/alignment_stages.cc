@@ -10,7 +10,8 @@
 namespace cohort {
 namespace {
 
-constexpr double kPoseSecondsPerVertex = 1e-6;
+constexpr double kPoseSecondsPerVertex = 3e-7;
+constexpr double kVariationSecondsPerVertex = 7e-8;
 constexpr double kAverageSecondsPerVertex = 1e-8;
 constexpr double kChooseSecondsPerMesh = 0.03;
 constexpr double kChooseSecondsPerPair = 1e-5;
@@ -51,6 +52,18 @@ std::array<int64_t, 2> ReadsOfBatch(const PlanState& state, int64_t task) {
   return {BatchAt(state, task).meshes.front(), TaskTraits::kNothing};
 }
 
+double PoseCost(const PlanState& state, const Batch& batch) {
+  return state.VerticesOf(batch.meshes) * kPoseSecondsPerVertex;
+}
+
+/// What landmark poses need.
+void AddLandmarks(const PlanState& state, Task& task) {
+  if (state.spec.pose == PoseMode::kLandmarks) {
+    task.targets = state.TaskMeshes(std::span(&state.base, 1));
+    task.landmarks = state.spec.landmarks;
+  }
+}
+
 /// One task per batch: meshes, the reference, and where they were aligned before.
 Task MakeBatchTask(TaskKind kind, const PlanState& state, int64_t task) {
   const Batch& batch = BatchAt(state, task);
@@ -65,6 +78,7 @@ Task MakeBatchTask(TaskKind kind, const PlanState& state, int64_t task) {
   return made;
 }
 
+/// Coarse poses alone; method each aligns from them to every mesh.
 class PoseStage final : public Stage {
  public:
   [[nodiscard]] std::string Name() const override { return "pose"; }
@@ -72,16 +86,15 @@ class PoseStage final : public Stage {
     return OpenBatchCount(state);
   }
   [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
-    return state.VerticesOf(BatchAt(state, task).meshes) * kPoseSecondsPerVertex;
+    return PoseCost(state, BatchAt(state, task));
   }
   [[nodiscard]] std::array<int64_t, 2> Reads(const PlanState& state, int64_t task) const override {
     return ReadsOfBatch(state, task);
   }
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
     Task made = MakeBatchTask(TaskKind::kPose, state, task);
-    if (state.spec.pose == PoseMode::kLandmarks) {
-      made.targets = state.TaskMeshes(std::span(&state.base, 1));
-      made.landmarks = state.spec.landmarks;
+    AddLandmarks(state, made);
+    if (!made.landmarks.empty()) {
       made.icp = state.spec.icp;
     }
     return made;
@@ -99,8 +112,7 @@ class PoseStage final : public Stage {
 
 class AlignStage final : public Stage {
  public:
-  AlignStage(std::string name, Displacement displacement)
-      : name_(std::move(name)), displacement_(displacement) {}
+  AlignStage(std::string name, const AlignParts& parts) : name_(std::move(name)), parts_(parts) {}
 
   [[nodiscard]] std::string Name() const override { return name_; }
   [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
@@ -108,12 +120,21 @@ class AlignStage final : public Stage {
   }
   [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
     const Batch& batch = BatchAt(state, task);
+    const double of_reference =
+        state.VerticesOf(state.base) * static_cast<double>(batch.meshes.size());
     double lookups = state.VerticesOf(batch.meshes) *
                      std::min(state.spec.icp.max_iterations, kExpectedIterations);
-    if (displacement_ == Displacement::kWanted) {
-      lookups += state.VerticesOf(state.base) * static_cast<double>(batch.meshes.size());
+    if (parts_.displacement) {
+      lookups += of_reference;
     }
-    return lookups * kSecondsPerLookup;
+    double cost = lookups * kSecondsPerLookup;
+    if (parts_.pose) {
+      cost += PoseCost(state, batch);
+    }
+    if (parts_.variation) {
+      cost += of_reference * kVariationSecondsPerVertex;
+    }
+    return cost;
   }
   [[nodiscard]] bool IsKnown(const PlanState& state, int64_t /*task*/) const override {
     return IsSkipped(state);
@@ -125,22 +146,50 @@ class AlignStage final : public Stage {
     Task made = MakeBatchTask(TaskKind::kAlign, state, task);
     made.icp = state.spec.icp;
     made.undersampling = state.spec.undersampling;
-    made.wants_displacement = displacement_ == Displacement::kWanted;
+    made.wants_displacement = parts_.displacement;
+    if (parts_.pose) {
+      made.wants_pose = true;
+      AddLandmarks(state, made);
+    }
+    if (parts_.variation) {
+      made.wants_variation = true;
+      made.wants_correspondences = parts_.variation->correspondences;
+      made.moves_reference = parts_.variation->last_shape == LastShape::kReferencePlusDisplacement;
+      made.frame_center = state.FrameCenter();
+    }
     return made;
   }
   [[nodiscard]] absl::Status Absorb(PlanState& state,
                                     std::span<const TaskResult> results) const override {
-    return IsSkipped(state) ? absl::OkStatus() : AbsorbAlignments(state, results);
+    if (IsSkipped(state)) {
+      return absl::OkStatus();
+    }
+    const auto keep = [](const Digest& blob, std::vector<Digest>& blobs) {
+      if (!blob.empty()) {
+        blobs.push_back(blob);
+      }
+    };
+    for (size_t i = 0; i < results.size(); ++i) {
+      const TaskResult& result = results[i];
+      keep(result.poses, state.outputs.poses);
+      const Batch& batch = BatchAt(state, static_cast<int64_t>(i));
+      const bool is_left = result.rejections.size() < batch.meshes.size();
+      if (parts_.variation && is_left) {
+        keep(result.variation, state.variations);
+        keep(result.fields, state.outputs.signatures);
+      }
+    }
+    return AbsorbAlignments(state, results);
   }
 
  private:
   /// A round that the mean shape no longer needs; the last alignment always runs.
   [[nodiscard]] bool IsSkipped(const PlanState& state) const {
-    return state.mean_has_settled && displacement_ == Displacement::kWanted;
+    return state.mean_has_settled && parts_.displacement;
   }
 
   std::string name_;
-  Displacement displacement_;
+  AlignParts parts_;
 };
 
 class AverageStage final : public Stage {
@@ -215,8 +264,8 @@ std::unique_ptr<const Stage> MakePoseStage() {
   return std::make_unique<PoseStage>();
 }
 
-std::unique_ptr<const Stage> MakeAlignStage(const std::string& name, Displacement displacement) {
-  return std::make_unique<AlignStage>(name, displacement);
+std::unique_ptr<const Stage> MakeAlignStage(const std::string& name, const AlignParts& parts) {
+  return std::make_unique<AlignStage>(name, parts);
 }
 
 std::unique_ptr<const Stage> MakeAverageStage(const std::string& name) {

@@ -92,12 +92,6 @@ TilePlace TileAt(const PlanState& state, int64_t task) {
   return {BlockAt(open, size, row), BlockAt(open, size, column), row == column};
 }
 
-/// What all distances are measured relative to.
-std::array<double, 3> FrameCenter(const PlanState& state) {
-  return state.HasKeptFrame() ? state.outputs.frame.center
-                              : state.meshes[static_cast<size_t>(state.base)].ingested->centroid;
-}
-
 void AddFields(PlanState& state, const TaskResult& result) {
   if (!result.fields.empty()) {
     state.outputs.fields.push_back(result.fields);
@@ -143,7 +137,7 @@ class CompareStage final : public Stage {
       made.arithmetic = Arithmetic::kFidentis;
       made.partials = state.PlacedOf(both);
     }
-    made.frame_center = FrameCenter(state);
+    made.frame_center = state.FrameCenter();
     return made;
   }
 
@@ -154,7 +148,7 @@ class CompareStage final : public Stage {
       AddFields(state, result);
     }
     state.CollectAlignments();
-    state.outputs.frame = {.reference = state.reference, .center = FrameCenter(state)};
+    state.outputs.frame = {.reference = state.reference, .center = state.FrameCenter()};
     return absl::OkStatus();
   }
 };

@@ -1,5 +1,5 @@
-#include <algorithm>
 #include <array>
+#include <iterator>
 
 #include <absl/strings/str_cat.h>
 
@@ -11,8 +11,6 @@ namespace cohort {
 namespace {
 
 constexpr double kSecondsPerByte = 1.5e-7;
-constexpr int64_t kMeshesPerBatchStep = 64;
-constexpr int64_t kMaxBatchSize = 8;
 
 /// Takes out the meshes without faces if the job asks for surfaces.
 void RejectPointClouds(PlanState& state) {
@@ -32,15 +30,16 @@ void RejectPointClouds(PlanState& state) {
   state.Reject(rejections);
 }
 
-/// Raw files to canonical meshes. Batches are cut from all meshes, known or not, so that a task
-/// keeps its number when a restarted server knows more meshes than the first one did.
+/// Raw files to canonical meshes. Batches are cut from all meshes, known or not, and by the sizes
+/// of their files, so that a task keeps its number when a restarted server knows more meshes than
+/// the first one did. They are those of the alignments, if the guess is good and no mesh is
+/// rejected: what a worker has made it need not decode.
 class IngestStage final : public Stage {
  public:
   [[nodiscard]] std::string Name() const override { return "ingest"; }
 
   [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
-    const auto meshes = static_cast<int64_t>(state.meshes.size());
-    return (meshes + BatchSize(state) - 1) / BatchSize(state);
+    return BatchesOfFiles(state).Count();
   }
 
   [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
@@ -55,9 +54,9 @@ class IngestStage final : public Stage {
     return UnknownMeshes(state, task).empty();
   }
 
-  /// Nothing has read it before; but the worker that makes a mesh has it decoded for what follows.
+  /// Nothing has read them before; but the worker that makes meshes has them for what follows.
   [[nodiscard]] std::array<int64_t, 2> Reads(const PlanState& state, int64_t task) const override {
-    return {task * BatchSize(state), TaskTraits::kNothing};
+    return {BatchesOfFiles(state).At(task).begin, TaskTraits::kNothing};
   }
 
   [[nodiscard]] Task MakeTask(const PlanState& state, int64_t task) const override {
@@ -87,17 +86,14 @@ class IngestStage final : public Stage {
   }
 
  private:
-  static int64_t BatchSize(const PlanState& state) {
-    return std::clamp<int64_t>(static_cast<int64_t>(state.meshes.size()) / kMeshesPerBatchStep, 1,
-                               kMaxBatchSize);
+  static BatchPartition BatchesOfFiles(const PlanState& state) {
+    return BatchesOf(std::ssize(state.meshes), state.file_vertices);
   }
 
   static std::vector<int32_t> UnknownMeshes(const PlanState& state, int64_t task) {
-    const int64_t begin = task * BatchSize(state);
-    const int64_t end =
-        std::min(begin + BatchSize(state), static_cast<int64_t>(state.meshes.size()));
+    const MeshRange batch = BatchesOfFiles(state).At(task);
     std::vector<int32_t> unknown;
-    for (int64_t mesh = begin; mesh < end; ++mesh) {
+    for (int64_t mesh = batch.begin; mesh < batch.end; ++mesh) {
       if (!state.meshes[static_cast<size_t>(mesh)].ingested) {
         unknown.push_back(static_cast<int32_t>(mesh));
       }

@@ -104,6 +104,7 @@ absl::StatusOr<std::unique_ptr<JobPlan>> JobPlan::Create(const JobSpec& spec,
   }
   state.active.resize(meshes.size());
   std::iota(state.active.begin(), state.active.end(), 0);
+  state.GuessFileVertices();
   state.FormBatches();
   return StagedPlan::Start(std::move(state), MakeSteps(spec));
 }

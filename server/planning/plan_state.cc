@@ -14,12 +14,11 @@ namespace {
 
 /// Of binary and text files alike; only for the progress shown before ingest.
 constexpr double kBytesPerVertex = 60;
-constexpr double kAlignSecondsPerVertex = 4e-7;  ///< One alignment, roughly.
-constexpr double kLeastBatchSeconds = 0.03;  ///< Else handing a batch out would cost a tenth of it,
-constexpr int64_t kLeastBatches = 16;        ///< unless there were fewer batches than these.
-constexpr int64_t kManyBatches = 64;         ///< No more are needed,
-constexpr int64_t kMaxBatchSize = 16;        ///< unless they would grow beyond this.
 constexpr int64_t kNamedRejections = 3;
+
+double VerticesInFile(const SetMesh& mesh) {
+  return static_cast<double>(mesh.size_bytes) / kBytesPerVertex;
+}
 
 /// The batch that holds a mesh: those that are kept are consecutive among themselves, and so are
 /// the others.
@@ -65,7 +64,7 @@ std::vector<Digest> BlobsOf(const PlanState& state,
 double PlanState::VerticesOf(int32_t mesh) const {
   const JobMesh& chosen = meshes[static_cast<size_t>(mesh)];
   return chosen.ingested ? static_cast<double>(chosen.ingested->vertices)
-                         : static_cast<double>(chosen.mesh.size_bytes) / kBytesPerVertex;
+                         : VerticesInFile(chosen.mesh);
 }
 
 double PlanState::VerticesOf(std::span<const int32_t> chosen) const {
@@ -104,6 +103,11 @@ size_t PlanState::FirstOpenBatch() const {
   return static_cast<size_t>(first - batches.begin());
 }
 
+std::array<double, 3> PlanState::FrameCenter() const {
+  return HasKeptFrame() ? outputs.frame.center
+                        : meshes[static_cast<size_t>(base)].ingested->centroid;
+}
+
 absl::Status PlanState::ChooseBase() {
   if (HasKeptFrame()) {
     reference = outputs.frame.reference;
@@ -121,20 +125,21 @@ absl::Status PlanState::ChooseBase() {
   return absl::OkStatus();
 }
 
-int64_t PlanState::BatchSize() const {
-  const double mesh_seconds = std::max(1.0, active_vertices) /
-                              static_cast<double>(std::max<int64_t>(1, ActiveCount())) *
-                              kAlignSecondsPerVertex;
-  const auto worthwhile = static_cast<int64_t>(
-      std::ceil(std::min(kLeastBatchSeconds / mesh_seconds, static_cast<double>(kMaxBatchSize))));
-  const int64_t size =
-      std::max(ActiveCount() / kManyBatches, std::min(worthwhile, ActiveCount() / kLeastBatches));
-  return std::clamp<int64_t>(size, 1, kMaxBatchSize);
+void PlanState::GuessFileVertices() {
+  double sum = 0;
+  for (const JobMesh& mesh : meshes) {
+    sum += VerticesInFile(mesh.mesh);
+  }
+  file_vertices = sum / static_cast<double>(std::max<size_t>(1, meshes.size()));
+}
+
+BatchPartition PlanState::BatchesOfActive(int64_t count) const {
+  const auto active_count = static_cast<double>(std::max<int64_t>(1, ActiveCount()));
+  return BatchesOf(count, active_vertices / active_count);
 }
 
 void PlanState::FormBatches() {
   active_vertices = VerticesOf(active);
-  const int64_t size = BatchSize();
   batches.clear();
   active_open.clear();
   active_kept.clear();
@@ -142,20 +147,19 @@ void PlanState::FormBatches() {
                       std::back_inserter(active_open));
   std::set_intersection(active.begin(), active.end(), kept.begin(), kept.end(),
                         std::back_inserter(active_kept));
-  for (std::vector<int32_t>& piece : SplitEvenly(active_kept, size)) {
-    batches.push_back({.meshes = std::move(piece),
-                       .is_kept = true,
-                       .alignment = kept_alignments,
-                       .displacement = {},
-                       .placed = {}});
-  }
-  for (std::vector<int32_t>& piece : SplitEvenly(active_open, size)) {
-    batches.push_back({.meshes = std::move(piece),
-                       .is_kept = false,
-                       .alignment = {},
-                       .displacement = {},
-                       .placed = {}});
-  }
+  const auto add = [this](const std::vector<int32_t>& chosen, bool is_kept) {
+    const BatchPartition partition = BatchesOfActive(std::ssize(chosen));
+    for (int64_t i = 0; i < partition.Count(); ++i) {
+      const MeshRange range = partition.At(i);
+      batches.push_back({.meshes = {chosen.begin() + range.begin, chosen.begin() + range.end},
+                         .is_kept = is_kept,
+                         .alignment = is_kept ? kept_alignments : Digest(),
+                         .displacement = {},
+                         .placed = {}});
+    }
+  };
+  add(active_kept, true);
+  add(active_open, false);
 }
 
 void PlanState::CollectAlignments() {
@@ -216,16 +220,6 @@ absl::Status PlanState::CheckEnoughLeft() const {
     absl::StrAppend(&message, "; and ", more, " more");
   }
   return absl::FailedPreconditionError(message);
-}
-
-std::vector<std::vector<int32_t>> SplitEvenly(const std::vector<int32_t>& meshes, int64_t size) {
-  std::vector<std::vector<int32_t>> pieces;
-  for (auto from = meshes.begin(); from != meshes.end();) {
-    const auto to = from + std::min<int64_t>(size, meshes.end() - from);
-    pieces.emplace_back(from, to);
-    from = to;
-  }
-  return pieces;
 }
 
 }  // namespace cohort

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "common/jobs/job_state.h"
 #include "common/jobs/task.h"
+#include "server/planning/batch_partition.h"
 
 namespace cohort {
 
@@ -32,6 +34,7 @@ struct PlanState {
   std::vector<Batch> batches;  ///< All active meshes, in order. Provisional until ingest ends.
   std::vector<int32_t> active_kept;  ///< Active meshes of the batches that are kept, ascending,
   std::vector<int32_t> active_open;  ///< and of those that are not.
+  double file_vertices = 0;          ///< Of a mesh on average, guessed from the sizes of the files.
   int32_t base = 0;                  ///< The base mesh. Provisional until ingest ends.
   bool mean_has_settled = false;     ///< The last round moved the mean shape by no more than asked.
   Digest reference;                  ///< Newest reference: the base mesh or the last mean shape.
@@ -58,14 +61,18 @@ struct PlanState {
 
   /// True if the job adds to the frame of a reference job.
   [[nodiscard]] bool HasKeptFrame() const { return !spec.reference_job.empty(); }
+  /// What all distances are measured relative to; only after ingest.
+  [[nodiscard]] std::array<double, 3> FrameCenter() const;
   /// The first batch that is not kept; those before it are.
   [[nodiscard]] size_t FirstOpenBatch() const;
 
   /// Takes the mesh that the job names, or else the first that can be used, as base and reference.
   /// @return kFailedPrecondition if the mesh that the job names was rejected.
   [[nodiscard]] absl::Status ChooseBase();
-  /// Meshes of a batch. Follows from the meshes alone, so that the sums over batches do too.
-  [[nodiscard]] int64_t BatchSize() const;
+  /// Sets file_vertices.
+  void GuessFileVertices();
+  /// How so many of the active meshes are divided into batches.
+  [[nodiscard]] BatchPartition BatchesOfActive(int64_t count) const;
   /// Divides the active meshes into new batches.
   void FormBatches();
   /// Writes the alignments of all batches into the outputs.
@@ -77,9 +84,5 @@ struct PlanState {
   /// @return kFailedPrecondition, naming the first rejections, if fewer than 2 meshes are left.
   [[nodiscard]] absl::Status CheckEnoughLeft() const;
 };
-
-/// Consecutive pieces of `size` meshes, the last one shorter.
-[[nodiscard]] std::vector<std::vector<int32_t>> SplitEvenly(const std::vector<int32_t>& meshes,
-                                                            int64_t size);
 
 }  // namespace cohort

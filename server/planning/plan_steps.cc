@@ -21,19 +21,20 @@ class StepList {
   std::vector<Step> steps_;
 };
 
-void AddMeanShapeRounds(StepList& steps, int rounds) {
-  for (int round = 1; round <= rounds; ++round) {
-    steps.Add(MakeAlignStage("align " + std::to_string(round), Displacement::kWanted));
+void AddMeanShapeRounds(StepList& steps, const JobSpec& spec, const VariationParts& variation) {
+  const bool finds_pose = spec.pose != PoseMode::kNone;
+  for (int round = 1; round <= spec.rounds; ++round) {
+    steps.Add(MakeAlignStage("align " + std::to_string(round),
+                             {.pose = finds_pose && round == 1, .displacement = true}));
     steps.Add(MakeAverageStage("average " + std::to_string(round)));
   }
-  steps.Add(MakeAlignStage("align " + std::to_string(rounds + 1), Displacement::kNotWanted));
+  steps.Add(MakeAlignStage("align " + std::to_string(spec.rounds + 1),
+                           {.pose = finds_pose && spec.rounds == 0, .variation = variation}));
 }
 
-/// What lies around the reference, then all pairs. One task makes the summary: it runs beside the
-/// pairs, so that no worker waits for it, as does the quick matrix's before them.
+/// All pairs. One task makes the summary of the variation: it runs beside the pairs, so that no
+/// worker waits for it, as does the quick matrix's before them.
 void AddComparison(StepList& steps, const JobSpec& spec, LastShape last_shape) {
-  steps.Add(MakeVariationStage(spec.preview ? Displacement::kWanted : Displacement::kNotWanted,
-                               last_shape));
   if (spec.preview) {
     steps.Add(MakePreviewStage());
   }
@@ -42,17 +43,17 @@ void AddComparison(StepList& steps, const JobSpec& spec, LastShape last_shape) {
 
 /// New meshes are brought into the frame of a reference job and compared with all; nothing else.
 std::vector<Step> AddingSteps(const JobSpec& spec) {
+  const LastShape last_shape = spec.method == Method::kAverage
+                                   ? LastShape::kReference
+                                   : LastShape::kReferencePlusDisplacement;
   StepList steps;
   steps.Add(MakeIngestStage());
   if (spec.method != Method::kNone) {
-    if (spec.pose != PoseMode::kNone) {
-      steps.Add(MakePoseStage());
-    }
-    steps.Add(MakeAlignStage("align", Displacement::kNotWanted));
+    steps.Add(MakeAlignStage("align", {.pose = spec.pose != PoseMode::kNone}));
   }
-  AddComparison(steps, spec,
-                spec.method == Method::kAverage ? LastShape::kReference
-                                                : LastShape::kReferencePlusDisplacement);
+  // Of all meshes, also those that were aligned before.
+  steps.Add(MakeVariationStage({.last_shape = last_shape, .correspondences = spec.preview}));
+  AddComparison(steps, spec, last_shape);
   return std::move(steps).Take();
 }
 
@@ -93,26 +94,32 @@ std::vector<Step> MakeSteps(const JobSpec& spec) {
   if (spec.base_rule == BaseRule::kAuto) {
     steps.Add(MakeChooseBaseStage());
   }
-  if (spec.method != Method::kNone && spec.pose != PoseMode::kNone) {
-    steps.Add(MakePoseStage());
-  }
+  const bool finds_pose = spec.pose != PoseMode::kNone;
   switch (spec.method) {
     case Method::kAverage:
-      AddMeanShapeRounds(steps, spec.rounds);
+      AddMeanShapeRounds(steps, spec,
+                         {.last_shape = LastShape::kReference, .correspondences = spec.preview});
       AddComparison(steps, spec, LastShape::kReference);
       break;
     case Method::kOne:
-      steps.Add(MakeAlignStage("align", Displacement::kNotWanted));
+      steps.Add(MakeAlignStage(
+          "align", {.pose = finds_pose,
+                    .variation = VariationParts{.last_shape = LastShape::kReferencePlusDisplacement,
+                                                .correspondences = spec.preview}}));
       AddComparison(steps, spec, LastShape::kReferencePlusDisplacement);
       break;
     case Method::kEach:
+      if (finds_pose) {
+        steps.Add(MakePoseStage());
+      }
       // The alignments to the base, which the variation needs, come out of the comparison.
       steps.Add(MakeAlignAndCompareStage());
-      steps.Add(
-          MakeVariationStage(Displacement::kNotWanted, LastShape::kReferencePlusDisplacement));
+      steps.Add(MakeVariationStage({.last_shape = LastShape::kReferencePlusDisplacement}));
       steps.Add(MakeSummarizeStage(LastShape::kReferencePlusDisplacement));
       break;
     case Method::kNone:
+      steps.Add(MakeVariationStage(
+          {.last_shape = LastShape::kReferencePlusDisplacement, .correspondences = spec.preview}));
       AddComparison(steps, spec, LastShape::kReferencePlusDisplacement);
       break;
   }

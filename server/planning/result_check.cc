@@ -83,8 +83,8 @@ bool MayReject(TaskKind kind) {
 }
 
 bool HasSecondOutput(const Task& task) {
-  return task.wants_displacement || task.kind == TaskKind::kAlignAndCompare ||
-         task.kind == TaskKind::kSummarize;
+  return task.wants_displacement || task.wants_correspondences ||
+         task.kind == TaskKind::kAlignAndCompare || task.kind == TaskKind::kSummarize;
 }
 
 }  // namespace
@@ -114,6 +114,12 @@ absl::Status CheckResult(const PlanState& state, const Task& task, const TaskRes
   }
   if (HasSecondOutput(task) && result.second_output.empty()) {
     return Misfit(task, "no second output");
+  }
+  if (task.wants_pose && result.poses.empty()) {
+    return Misfit(task, "no poses");
+  }
+  if (task.wants_variation && result.variation.empty()) {
+    return Misfit(task, "no variation");
   }
   if (task.wants_placed && result.placed.empty()) {
     return Misfit(task, "no placed meshes");

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -43,17 +44,31 @@ class Stage {
                                             std::span<const TaskResult> results) const = 0;
 };
 
-/// Whether aligned meshes are also to say how far the reference is from their mean.
-enum class Displacement { kWanted, kNotWanted };
 /// Whether the last shape is made from the base mesh or is there already.
 enum class LastShape { kReferencePlusDisplacement, kReference };
+
+/// What is to be found of the distances of the reference's vertices to aligned meshes.
+struct VariationParts {
+  LastShape last_shape = LastShape::kReference;
+  bool correspondences = false;  ///< All displacements are kept, for a preview.
+};
+
+/// What an alignment does besides aligning.
+struct AlignParts {
+  /// Coarse poses come first: no others are known.
+  bool pose = false;
+  /// A round of the mean shape: it also says how far the reference is from the mean.
+  bool displacement = false;
+  /// The last alignment: the variation around the reference too.
+  std::optional<VariationParts> variation = {};
+};
 
 [[nodiscard]] std::unique_ptr<const Stage> MakeIngestStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeSymmetrizeStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeChooseBaseStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakePoseStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeAlignStage(const std::string& name,
-                                                          Displacement displacement);
+                                                          const AlignParts& parts);
 [[nodiscard]] std::unique_ptr<const Stage> MakeAverageStage(const std::string& name);
 [[nodiscard]] std::unique_ptr<const Stage> MakeCompareStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeAlignAndCompareStage();
@@ -61,8 +76,7 @@ enum class LastShape { kReferencePlusDisplacement, kReference };
 [[nodiscard]] std::unique_ptr<const Stage> MakeFidentisAlignStage(const std::string& name);
 [[nodiscard]] std::unique_ptr<const Stage> MakeFidentisAverageStage(const std::string& name);
 [[nodiscard]] std::unique_ptr<const Stage> MakeFidentisSummarizeStage();
-[[nodiscard]] std::unique_ptr<const Stage> MakeVariationStage(Displacement displacement,
-                                                              LastShape last_shape);
+[[nodiscard]] std::unique_ptr<const Stage> MakeVariationStage(const VariationParts& parts);
 [[nodiscard]] std::unique_ptr<const Stage> MakePreviewStage();
 [[nodiscard]] std::unique_ptr<const Stage> MakeSummarizeStage(LastShape last_shape);
 

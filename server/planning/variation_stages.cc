@@ -1,5 +1,5 @@
-#include <algorithm>
 #include <array>
+#include <iterator>
 #include <vector>
 
 #include "server/planning/stage.h"
@@ -7,19 +7,18 @@
 namespace cohort {
 namespace {
 
-constexpr double kSecondsPerLookup = 3e-7;
+constexpr double kSecondsPerLookup = 7e-8;
 constexpr double kSummarizeSecondsPerDistance = 1e-7;
 
 /// Distances of each reference vertex to the aligned meshes of one batch.
 class VariationStage final : public Stage {
  public:
-  VariationStage(Displacement displacement, LastShape last_shape)
-      : displacement_(displacement), last_shape_(last_shape) {}
+  explicit VariationStage(const VariationParts& parts) : parts_(parts) {}
 
   [[nodiscard]] std::string Name() const override { return "variation"; }
   [[nodiscard]] int64_t TaskCount(const PlanState& state) const override {
-    return state.HasKeptFrame() ? (state.ActiveCount() + state.BatchSize() - 1) / state.BatchSize()
-                                : static_cast<int64_t>(state.batches.size());
+    return state.HasKeptFrame() ? state.BatchesOfActive(state.ActiveCount()).Count()
+                                : std::ssize(state.batches);
   }
   [[nodiscard]] double TaskCost(const PlanState& state, int64_t task) const override {
     return state.VerticesOf(state.base) * static_cast<double>(MeshesOf(state, task).size()) *
@@ -35,8 +34,8 @@ class VariationStage final : public Stage {
     made.meshes = state.TaskMeshes(meshes);
     made.reference = state.reference;
     made.icp.correspondence = state.spec.icp.correspondence;
-    made.wants_displacement = displacement_ == Displacement::kWanted;
-    made.moves_reference = last_shape_ == LastShape::kReferencePlusDisplacement;
+    made.wants_correspondences = parts_.correspondences;
+    made.moves_reference = parts_.last_shape == LastShape::kReferencePlusDisplacement;
     made.alignments = state.AlignmentsOf(meshes);
     return made;
   }
@@ -47,7 +46,7 @@ class VariationStage final : public Stage {
       if (!results[i].fields.empty()) {
         state.outputs.signatures.push_back(results[i].fields);
       }
-      if (displacement_ == Displacement::kWanted) {
+      if (parts_.correspondences) {
         state.batches[i].displacement = results[i].second_output;
       }
     }
@@ -61,13 +60,11 @@ class VariationStage final : public Stage {
     if (!state.HasKeptFrame()) {
       return state.batches[static_cast<size_t>(task)].meshes;
     }
-    const int64_t begin = task * state.BatchSize();
-    const int64_t end = std::min(begin + state.BatchSize(), state.ActiveCount());
-    return {state.active.begin() + begin, state.active.begin() + end};
+    const MeshRange batch = state.BatchesOfActive(state.ActiveCount()).At(task);
+    return {state.active.begin() + batch.begin, state.active.begin() + batch.end};
   }
 
-  Displacement displacement_;
-  LastShape last_shape_;
+  VariationParts parts_;
 };
 
 /// Per-vertex metrics over all meshes, and the mean shape.
@@ -103,8 +100,8 @@ class SummarizeStage final : public Stage {
 
 }  // namespace
 
-std::unique_ptr<const Stage> MakeVariationStage(Displacement displacement, LastShape last_shape) {
-  return std::make_unique<VariationStage>(displacement, last_shape);
+std::unique_ptr<const Stage> MakeVariationStage(const VariationParts& parts) {
+  return std::make_unique<VariationStage>(parts);
 }
 
 std::unique_ptr<const Stage> MakeSummarizeStage(LastShape last_shape) {

@@ -3,8 +3,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -35,15 +37,40 @@ struct ServiceRun {
   double job_seconds = 0;      // from its submission to its last result
 };
 
+/// Where runs write. Each has a folder of its own, and all are removed at the end: the file system
+/// looks for free inodes long after many have been freed, which a user's run does not meet.
+class RunFolders {
+ public:
+  explicit RunFolders(const Bench& bench)
+      : root_(absl::StrCat(bench.options.data_folder, "/service")) {
+    std::filesystem::remove_all(root_);
+  }
+  ~RunFolders() {
+    std::error_code ignored;  // The next run removes them.
+    std::filesystem::remove_all(root_, ignored);
+  }
+  RunFolders(const RunFolders&) = delete;
+  RunFolders& operator=(const RunFolders&) = delete;
+
+  [[nodiscard]] std::string Next() { return absl::StrCat(root_, "/", next_++); }
+
+ private:
+  std::string root_;
+  int next_ = 0;
+};
+
 /// Starts `cohort run` with so many workers and reads its job.json.
 /// @return kInternal if the program fails, kUnavailable if it does not say what the stage took.
-absl::StatusOr<ServiceRun> RunService(const Bench& bench, int workers, int threads) {
-  const std::string out = absl::StrCat(bench.options.data_folder, "/service");
-  std::filesystem::remove_all(out);
-  const std::string command = absl::StrCat(
-      "'", bench.options.cohort_program, "' run '", bench.faces.PreparedFolder(kVertices),
-      "' --out '", out, "' --workers ", workers, " --threads ", threads,
-      " --retention sketch --no-report >'", bench.options.data_folder, "/service.log' 2>&1");
+absl::StatusOr<ServiceRun> RunService(const Bench& bench,
+                                      RunFolders& folders,
+                                      int workers,
+                                      int threads) {
+  const std::string out = folders.Next();
+  const std::string command =
+      absl::StrCat("'", bench.options.cohort_program, "' run '",
+                   bench.faces.PreparedFolder(kVertices), "' --out '", out, "' --workers ", workers,
+                   " --threads ", threads, " --retention sketch --no-report --keep-data >'",
+                   bench.options.data_folder, "/service.log' 2>&1");
   if (std::system(command.c_str()) != 0) {
     return absl::InternalError(absl::StrCat("`cohort run --retention sketch` failed, see ",
                                             bench.options.data_folder, "/service.log"));
@@ -89,12 +116,12 @@ double RunKernel(std::span<const BenchMesh> meshes) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-absl::Status MeasureService(Bench& bench, benchmark::State& state) {
+absl::Status MeasureService(Bench& bench, RunFolders& folders, benchmark::State& state) {
   COHORT_ASSIGN_OR_RETURN(const auto faces, bench.faces.Get(kVertices, kMeshes));
   Figure figure{
       "pairs a second through the service, of the kernel's", AtLeast(kLeastShare), {}, "", ""};
   // As `cohort run` does it by itself on two processors: one worker with two slots.
-  const absl::StatusOr<ServiceRun> first = RunService(bench, 1, kThreads);
+  const absl::StatusOr<ServiceRun> first = RunService(bench, folders, 1, kThreads);
   if (absl::IsUnavailable(first.status())) {
     figure.note = std::string(first.status().message());
     bench.figures.Add(figure);
@@ -104,7 +131,7 @@ absl::Status MeasureService(Bench& bench, benchmark::State& state) {
   absl::Status failure;
   Contest contest;
   contest.Add("service", first->pairs, [&] {
-    const absl::StatusOr<ServiceRun> run = RunService(bench, 1, kThreads);
+    const absl::StatusOr<ServiceRun> run = RunService(bench, folders, 1, kThreads);
     failure.Update(run.status());
     return run.ok() ? run->compare_seconds : 1;
   });
@@ -120,12 +147,13 @@ absl::Status MeasureService(Bench& bench, benchmark::State& state) {
 }
 
 /// The whole job, from one worker with one slot to two of them.
-absl::Status MeasureWorkers(Bench& bench, benchmark::State& state) {
+absl::Status MeasureWorkers(Bench& bench, RunFolders& folders, benchmark::State& state) {
+  COHORT_RETURN_IF_ERROR(bench.faces.Get(kVertices, kMeshes).status());  // Makes their folder.
   absl::Status failure;
   Contest contest;
   for (const int workers : {1, 2}) {
     contest.Add(absl::StrCat(workers), 1, [&, workers] {
-      const absl::StatusOr<ServiceRun> run = RunService(bench, workers, 1);
+      const absl::StatusOr<ServiceRun> run = RunService(bench, folders, workers, 1);
       failure.Update(run.status());
       return run.ok() ? run->job_seconds : 1;
     });
@@ -144,8 +172,13 @@ absl::Status MeasureWorkers(Bench& bench, benchmark::State& state) {
 
 void RegisterService(Bench& bench) {
   if (!bench.options.IsQuick() && !bench.options.cohort_program.empty()) {
-    Register(bench, "service/20k", kServiceRounds, MeasureService);
-    Register(bench, "workers/20k", kWorkersRounds, MeasureWorkers);
+    const auto folders = std::make_shared<RunFolders>(bench);
+    Register(bench, "service/20k", kServiceRounds, [folders](Bench& b, benchmark::State& state) {
+      return MeasureService(b, *folders, state);
+    });
+    Register(bench, "workers/20k", kWorkersRounds, [folders](Bench& b, benchmark::State& state) {
+      return MeasureWorkers(b, *folders, state);
+    });
   }
 }
 

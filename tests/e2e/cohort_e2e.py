@@ -254,6 +254,24 @@ class EndToEnd(ProgramTest):
         for name in RESULT_FILES:
             self.assertEqual(calm[name], killed[name], name)
 
+    def test_a_worker_that_cannot_start_ends_the_run(self):
+        programs = self.dir / "bin"
+        programs.mkdir()
+        for name in ("cohort", "cohort-server"):
+            shutil.copy(BIN / name, programs / name)
+        worker = programs / "cohort-worker"
+        worker.write_text("#!/bin/sh\necho cannot start\nexit 7\n")
+        worker.chmod(0o755)
+        out = self.dir / "out"
+        run = subprocess.run([programs / "cohort", "run", self.demo, "--out", out],
+                             capture_output=True, text=True, timeout=60)
+        self.assertEqual(run.returncode, 1, run.stderr)
+        last = run.stderr.splitlines()[-1]
+        for word in ("worker-1", "exit code 7", "worker-1.log"):
+            self.assertIn(word, last)
+        self.assertEqual(processes_with(str(out / ".cohort-data")), [], "left running")
+        self.run_job(self.demo, out)  # The same command, mended, goes on.
+
     def test_an_interrupted_run_goes_on(self):
         out = self.dir / "out"
         run = self.start("cohort", "run", self.demo, "--out", out, "--method", "each",

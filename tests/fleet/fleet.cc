@@ -221,6 +221,12 @@ class Fleet {
     if (task.kind == TaskKind::kSummarize || task.wants_displacement) {
       result.second_output = blob_;
     }
+    if (task.wants_pose) {
+      result.poses = blob_;
+    }
+    if (task.wants_variation) {
+      result.variation = blob_;
+    }
     result.counters.pairs = 2;
     result.seconds = options_.task_seconds;
     return result;

@@ -1,5 +1,6 @@
 #include "worker/worker_loop.h"
 
+#include <chrono>
 #include <deque>
 #include <map>
 #include <string>
@@ -45,10 +46,15 @@ class FakeLink final : public CoordinatorLink {
       orders.grants.push_back(granted);
     }
     max_held_ = std::max(max_held_, report.held.size() + orders.grants.size());
+    granted_ += orders.grants.size();
+    changed_.NotifyAll();
     return orders;
   }
   absl::Status CompleteTask(const WorkerId&, const Lease& lease, const TaskResult&) override {
     MutexLock lock(mutex_);
+    while (is_slow_) {
+      changed_.Wait(mutex_);
+    }
     if (failures_to_make_ > 0) {
       --failures_to_make_;
       return absl::UnavailableError("the network is down");
@@ -88,6 +94,8 @@ class FakeLink final : public CoordinatorLink {
   std::map<int64_t, absl::Status> failed_ ABSL_GUARDED_BY(mutex_);
   absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
   size_t max_held_ ABSL_GUARDED_BY(mutex_) = 0;
+  size_t granted_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool is_slow_ ABSL_GUARDED_BY(mutex_) = false;  ///< Results are not taken for now.
   int failures_to_make_ ABSL_GUARDED_BY(mutex_) = 0;
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
 };
@@ -140,8 +148,35 @@ TEST_F(WorkerLoopTest, RunsEveryTaskOnceInItsSlots) {
   EXPECT_THAT(status_, IsOk());
   MutexLock lock(link_.mutex_);
   EXPECT_THAT(link_.completed_, ::testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5));
-  EXPECT_LE(link_.max_held_, 3U);  // One is held ready besides.
+  EXPECT_LE(link_.max_held_, 5U);  // One is held ready besides, two may be on their way back.
   EXPECT_TRUE(link_.failed_.empty());
+}
+
+TEST_F(WorkerLoopTest, AsksForTheNextTaskWhileAResultIsOnItsWayButNotForever) {
+  {
+    MutexLock lock(link_.mutex_);
+    link_.tasks_ = IngestTasks(store_, 4);
+    link_.is_slow_ = true;
+  }
+  options_.spare_slots = 0;
+  Start(1);
+  {
+    MutexLock lock(link_.mutex_);
+    while (link_.granted_ < 2) {
+      link_.changed_.Wait(link_.mutex_);
+    }
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  {
+    MutexLock lock(link_.mutex_);
+    EXPECT_EQ(link_.granted_, 2U) << "results heap up before a slow server";
+    link_.is_slow_ = false;
+    link_.changed_.NotifyAll();
+  }
+  link_.WaitForReports(4);
+  Stop();
+  MutexLock lock(link_.mutex_);
+  EXPECT_THAT(link_.completed_, ::testing::UnorderedElementsAre(0, 1, 2, 3));
 }
 
 TEST_F(WorkerLoopTest, SaysAResultAgainUntilTheServerHasIt) {

@@ -1,6 +1,9 @@
 #include "worker/tasks/align_task.h"
 
+#include <array>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,26 +14,29 @@
 #include "common/store/mesh_blob.h"
 #include "worker/tasks/displacement_finder.h"
 #include "worker/tasks/pose_finder.h"
+#include "worker/tasks/variation_output.h"
 
 namespace cohort {
+namespace {
 
-absl::StatusOr<Alignment> AlignMesh(const Task& task,
-                                    const TaskMesh& source,
-                                    const IcpMesh& target,
-                                    const Similarity& T_target_source,
-                                    const TaskContext& context,
-                                    PacketSearch& search) {
-  COHORT_ASSIGN_OR_RETURN(const auto mesh,
-                          context.meshes.GetSampled(source.blob, task.undersampling));
-  return AlignByIcp(*mesh, target, T_target_source, task.icp, search);
-}
+using Starts = std::map<int32_t, Alignment>;  ///< By mesh; empty: identities.
 
-absl::StatusOr<TaskResult> RunPoseTask(const Task& task, const TaskContext& context) {
+/// What an alignment writes; empty: not wanted.
+struct AlignBlobs {
+  std::string alignments;
+  std::string poses;
+  std::string displacement;
+  VariationOutput::Blobs variation;
+};
+
+/// Coarse poses to the reference of the task. A mesh that none is found for is rejected.
+absl::StatusOr<std::vector<MeshAlignment>> FindPoses(const Task& task,
+                                                     const TaskContext& context,
+                                                     TaskResult& result) {
   const std::string base_name = task.targets.empty() ? "" : task.targets.front().name;
   COHORT_ASSIGN_OR_RETURN(
       const PoseFinder poses_to_base,
       PoseFinder::Create(task, {.index = -1, .name = base_name, .blob = task.reference}, context));
-  TaskResult result;
   result.counters.pose.index_builds = task.counts_reference_index ? 1 : 0;
   std::vector<MeshAlignment> poses;
   for (const TaskMesh& input : task.meshes) {
@@ -52,25 +58,72 @@ absl::StatusOr<TaskResult> RunPoseTask(const Task& task, const TaskContext& cont
     placed.alignment.lookups = pose->lookups;
     poses.push_back(placed);
   }
-  COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeAlignmentBlob(poses)));
+  return poses;
+}
+
+/// Where the alignments begin: poses that are found now, or what is known.
+absl::StatusOr<Starts> FindStarts(const Task& task,
+                                  const TaskContext& context,
+                                  AlignBlobs& blobs,
+                                  TaskResult& result) {
+  if (!task.wants_pose) {
+    return LoadAlignments(context.store, task.alignments);
+  }
+  COHORT_ASSIGN_OR_RETURN(const std::vector<MeshAlignment> poses, FindPoses(task, context, result));
+  blobs.poses = EncodeAlignmentBlob(poses);
+  Starts starts;
+  for (const MeshAlignment& pose : poses) {
+    starts[pose.mesh] = pose.alignment;
+  }
+  return starts;
+}
+
+}  // namespace
+
+absl::StatusOr<Alignment> AlignMesh(const Task& task,
+                                    const TaskMesh& source,
+                                    const IcpMesh& target,
+                                    const Similarity& T_target_source,
+                                    const TaskContext& context,
+                                    PacketSearch& search) {
+  COHORT_ASSIGN_OR_RETURN(const auto mesh,
+                          context.meshes.GetSampled(source.blob, task.undersampling));
+  return AlignByIcp(*mesh, target, T_target_source, task.icp, search);
+}
+
+absl::StatusOr<TaskResult> RunPoseTask(const Task& task, const TaskContext& context) {
+  TaskResult result;
+  COHORT_ASSIGN_OR_RETURN(const std::vector<MeshAlignment> poses, FindPoses(task, context, result));
+  const std::string blob = EncodeAlignmentBlob(poses);
+  const std::array<TaskBlob, 1> written = {{{blob, result.output}}};
+  COHORT_RETURN_IF_ERROR(WriteBlobs(context, written));
   return result;
 }
 
 absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& context) {
+  TaskResult result;
+  AlignBlobs blobs;
+  COHORT_ASSIGN_OR_RETURN(const Starts starts, FindStarts(task, context, blobs, result));
   COHORT_ASSIGN_OR_RETURN(
       DisplacementFinder displacements,
       DisplacementFinder::Create(task.reference, task.icp.correspondence, context));
-  COHORT_ASSIGN_OR_RETURN(const auto starts, LoadAlignments(context.store, task.alignments));
   COHORT_ASSIGN_OR_RETURN(const auto target,
                           context.meshes.GetIcpTarget(task.reference, task.icp.correspondence));
   PacketSearch search;
-  TaskResult result;
   result.counters.align.index_builds = task.counts_reference_index ? 1 : 0;
   std::vector<MeshAlignment> alignments;
   DisplacementSum displacement;
-  displacement.sum = Eigen::Matrix3Xd::Zero(3, displacements.VertexCount());
+  displacement.sum =
+      Eigen::Matrix3Xd::Zero(3, task.wants_displacement ? displacements.VertexCount() : 0);
+  std::optional<VariationOutput> variation;
+  if (task.wants_variation) {
+    variation.emplace(task, displacements.VertexCount());
+  }
   for (const TaskMesh& input : task.meshes) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
+    if (task.wants_pose && !starts.contains(input.index)) {
+      continue;  // Rejected: it has no pose.
+    }
     COHORT_ASSIGN_OR_RETURN(const Similarity start, SimilarityOf(starts, input));
     const absl::StatusOr<Alignment> aligned =
         AlignMesh(task, input, *target, start, context, search);
@@ -82,46 +135,65 @@ absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& con
     }
     result.counters.align.lookups += aligned->lookups;
     alignments.push_back({.mesh = input.index, .alignment = *aligned});
+    if (!task.wants_displacement && !task.wants_variation) {
+      continue;
+    }
+    COHORT_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd found,
+                            displacements.Find(input.blob, aligned->T_target_source));
     if (task.wants_displacement) {
-      COHORT_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd found,
-                              displacements.Find(input.blob, aligned->T_target_source));
       displacement.sum += found;
       ++displacement.mesh_count;
       result.counters.average += {.index_builds = 1, .lookups = displacements.VertexCount()};
     }
+    if (variation) {
+      variation->Add(input.index, found, result.counters);
+      COHORT_RETURN_IF_ERROR(context.meshes.SharePlaced(input.blob, aligned->T_target_source,
+                                                        Eigen::Vector3d(task.frame_center.data())));
+    }
   }
-  COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeAlignmentBlob(alignments)));
+  blobs.alignments = EncodeAlignmentBlob(alignments);
   if (task.wants_displacement) {
-    COHORT_ASSIGN_OR_RETURN(result.second_output,
-                            context.store.Put(EncodeDisplacementBlob(displacement)));
+    blobs.displacement = EncodeDisplacementBlob(displacement);
   }
+  if (variation) {
+    blobs.variation = std::move(*variation).Encode();
+  }
+  const std::array<TaskBlob, 6> written = {{{blobs.alignments, result.output},
+                                            {blobs.poses, result.poses},
+                                            {blobs.displacement, result.second_output},
+                                            {blobs.variation.correspondences, result.second_output},
+                                            {blobs.variation.variation, result.variation},
+                                            {blobs.variation.signatures, result.fields}}};
+  COHORT_RETURN_IF_ERROR(WriteBlobs(context, written));
   return result;
 }
 
 absl::StatusOr<TaskResult> RunAverageTask(const Task& task, const TaskContext& context) {
   COHORT_ASSIGN_OR_RETURN(const auto reference, context.meshes.Get(task.reference));
-  std::vector<Eigen::Matrix3Xd> sums;
+  Eigen::Matrix3Xd sum = Eigen::Matrix3Xd::Zero(3, reference->VertexCount());
   int64_t mesh_count = 0;
   for (const Digest& blob : task.partials) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
     COHORT_ASSIGN_OR_RETURN(const std::string bytes, context.store.Get(blob));
-    COHORT_ASSIGN_OR_RETURN(DisplacementSum part, DecodeDisplacementBlob(bytes));
+    COHORT_ASSIGN_OR_RETURN(const DisplacementSum part, DecodeDisplacementBlob(bytes));
     if (part.sum.cols() != reference->VertexCount()) {
       return absl::DataLossError("displacement blob " + blob.Hex() + " does not fit the reference");
     }
     mesh_count += part.mesh_count;
-    sums.push_back(std::move(part.sum));
+    sum += part.sum;
   }
   if (mesh_count == 0) {
     return absl::FailedPreconditionError("no mesh could be aligned to the reference");
   }
   TriangleMesh next;
-  next.vertices = MoveByMeanDisplacement(reference->vertices, sums, mesh_count);
+  next.vertices = MoveByMeanDisplacement(reference->vertices, std::span(&sum, 1), mesh_count);
   next.faces = reference->faces;
   TaskResult result;
   result.change = std::sqrt((next.vertices - reference->vertices).squaredNorm() /
                             static_cast<double>(next.VertexCount()));
-  COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeRawMeshBlob(next)));
+  const std::string blob = EncodeRawMeshBlob(next);
+  const std::array<TaskBlob, 1> written = {{{blob, result.output}}};
+  COHORT_RETURN_IF_ERROR(WriteBlobs(context, written));
   return result;
 }
 

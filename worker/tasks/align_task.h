@@ -17,8 +17,9 @@ namespace cohort {
 /// kPose: a coarse pose for each mesh (PoseFinder). A mesh that none is found for is rejected.
 [[nodiscard]] absl::StatusOr<TaskResult> RunPoseTask(const Task& task, const TaskContext& context);
 
-/// kAlign: scaling ICP of each mesh to the reference, and the sum of the displacements of the
-/// reference's vertices to the aligned meshes. A mesh that cannot be aligned is rejected.
+/// kAlign: scaling ICP of each mesh to the reference, from its coarse pose or from where it was
+/// aligned before; and what the task wants of the displacements of the reference's vertices to the
+/// aligned meshes. A mesh that cannot be aligned is rejected.
 [[nodiscard]] absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& context);
 
 /// kAverage: the next reference.

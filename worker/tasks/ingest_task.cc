@@ -2,6 +2,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/base/status_macros.h"
 #include "common/base/utf8.h"
@@ -81,6 +82,7 @@ absl::StatusOr<Ingested> KeepAsInFile(std::string_view bytes, const std::string&
 
 absl::StatusOr<TaskResult> RunIngestTask(const Task& task, const TaskContext& context) {
   TaskResult result;
+  std::vector<std::string> blobs;
   for (const TaskMesh& input : task.meshes) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
     COHORT_ASSIGN_OR_RETURN(const std::string bytes, context.store.Get(input.blob));
@@ -94,11 +96,18 @@ absl::StatusOr<TaskResult> RunIngestTask(const Task& task, const TaskContext& co
            .reason = PrintableUtf8(std::string(ingested.status().message()))});
       continue;
     }
-    COHORT_ASSIGN_OR_RETURN(ingested->summary.blob, context.store.Put(ingested->blob));
-    context.meshes.Keep(ingested->summary.blob, std::move(ingested->mesh));
     ingested->summary.index = input.index;
+    ingested->summary.blob = Sha256::Of(ingested->blob);
+    context.meshes.Keep(ingested->summary.blob, std::move(ingested->mesh));
     result.ingested.push_back(std::move(ingested->summary));
+    blobs.push_back(std::move(ingested->blob));
   }
+  std::vector<TaskBlob> written;
+  written.reserve(blobs.size());
+  for (size_t i = 0; i < blobs.size(); ++i) {
+    written.push_back({blobs[i], result.ingested[i].blob});
+  }
+  COHORT_RETURN_IF_ERROR(WriteBlobs(context, written));
   return result;
 }
 

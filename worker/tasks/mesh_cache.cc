@@ -1,7 +1,6 @@
 #include "worker/tasks/mesh_cache.h"
 
 #include <cstddef>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -54,19 +53,11 @@ absl::StatusOr<std::shared_ptr<const T>> MeshCache::GetOrMake(const std::string&
 }
 
 absl::StatusOr<TriangleMesh> MeshCache::Decode(const Digest& blob) {
-  if (decoded_ != nullptr) {
-    if (std::optional<TriangleMesh> mesh = decoded_->Get(blob)) {
-      return *std::move(mesh);
-    }
-  }
   COHORT_ASSIGN_OR_RETURN(const std::string bytes, store_.Get(blob));
   absl::StatusOr<TriangleMesh> mesh = DecodeMeshBlob(bytes);
   if (!mesh.ok()) {
     return absl::Status(mesh.status().code(),
                         "blob " + blob.Hex() + ": " + std::string(mesh.status().message()));
-  }
-  if (decoded_ != nullptr) {
-    decoded_->Keep(blob, *mesh);
   }
   return mesh;
 }
@@ -80,9 +71,6 @@ absl::StatusOr<std::shared_ptr<const TriangleMesh>> MeshCache::Get(const Digest&
 }
 
 void MeshCache::Keep(const Digest& blob, TriangleMesh mesh) {
-  if (decoded_ != nullptr) {
-    decoded_->Keep(blob, mesh);
-  }
   auto kept = std::make_shared<const TriangleMesh>(std::move(mesh));
   Insert(MeshKey(blob), kept, SizeOf(*kept));
 }
@@ -152,11 +140,23 @@ absl::StatusOr<std::shared_ptr<const PackedMesh>> MeshCache::GetPlaced(
     const Digest& blob, const Similarity& T_frame_mesh, const Eigen::Vector3d& frame_center) {
   const std::string key = "placed " + blob.Hex() + PlaceKey(T_frame_mesh, frame_center);
   return GetOrMake<PackedMesh>(key, [&]() -> absl::StatusOr<Made<PackedMesh>> {
-    COHORT_ASSIGN_OR_RETURN(const auto mesh, Get(blob));
-    auto packed =
-        std::make_shared<const PackedMesh>(PlaceVertices(*mesh, T_frame_mesh, frame_center));
+    std::shared_ptr<const PackedMesh> packed = shared_ == nullptr ? nullptr : shared_->Get(key);
+    if (packed == nullptr) {
+      COHORT_ASSIGN_OR_RETURN(const auto mesh, Get(blob));
+      packed = std::make_shared<const PackedMesh>(PlaceVertices(*mesh, T_frame_mesh, frame_center));
+      if (shared_ != nullptr) {
+        shared_->Keep(key, *packed);
+      }
+    }
     return Made<PackedMesh>{.value = packed, .bytes = packed->ByteCount()};
   });
+}
+
+absl::Status MeshCache::SharePlaced(const Digest& blob,
+                                    const Similarity& T_frame_mesh,
+                                    const Eigen::Vector3d& frame_center) {
+  return shared_ == nullptr ? absl::OkStatus()
+                            : GetPlaced(blob, T_frame_mesh, frame_center).status();
 }
 
 absl::StatusOr<std::shared_ptr<const PackedSurface>> MeshCache::GetPlacedSurface(

@@ -21,7 +21,7 @@
 #include "common/geometry/registration/undersampling.h"
 #include "common/jobs/landmark_blob.h"
 #include "common/store/blob_store.h"
-#include "common/store/decoded_mesh_folder.h"
+#include "worker/tasks/shared_meshes.h"
 
 namespace cohort {
 
@@ -30,9 +30,9 @@ namespace cohort {
 class MeshCache {
  public:
   /// @param max_bytes  kept; what is in use may exceed it.
-  /// @param decoded    where the workers of this machine share decoded meshes; may be null.
-  MeshCache(BlobStore& store, int64_t max_bytes, DecodedMeshFolder* decoded = nullptr)
-      : store_(store), max_bytes_(max_bytes), decoded_(decoded) {}
+  /// @param shared     what the workers of this machine share; may be null.
+  MeshCache(BlobStore& store, int64_t max_bytes, SharedMeshes* shared = nullptr)
+      : store_(store), max_bytes_(max_bytes), shared_(shared) {}
 
   /// @return as BlobStore::Get and DecodeMeshBlob, naming the blob.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const TriangleMesh>> Get(const Digest& blob);
@@ -58,6 +58,13 @@ class MeshCache {
   /// The vertices T_frame_mesh * x - frame_center in packets.
   [[nodiscard]] absl::StatusOr<std::shared_ptr<const PackedMesh>> GetPlaced(
       const Digest& blob, const Similarity& T_frame_mesh, const Eigen::Vector3d& frame_center);
+
+  /// Makes those vertices ready for the other workers of this machine, if there are any: who has
+  /// the mesh at hand can do it, the others would have to decode it.
+  /// @return as GetPlaced.
+  [[nodiscard]] absl::Status SharePlaced(const Digest& blob,
+                                         const Similarity& T_frame_mesh,
+                                         const Eigen::Vector3d& frame_center);
 
   /// The same vertices with the faces.
   /// @return also kFailedPrecondition for a point cloud.
@@ -91,7 +98,7 @@ class MeshCache {
 
   BlobStore& store_;
   const int64_t max_bytes_;
-  DecodedMeshFolder* const decoded_;
+  SharedMeshes* const shared_;
   Mutex mutex_;
   std::unordered_map<std::string, Entry> entries_ ABSL_GUARDED_BY(mutex_);
   std::list<std::string> uses_ ABSL_GUARDED_BY(mutex_);  ///< Most recent first.

@@ -13,6 +13,24 @@ absl::Status TaskContext::CheckStop() const {
                                : absl::OkStatus();
 }
 
+absl::Status WriteBlobs(const TaskContext& context, std::span<const TaskBlob> blobs) {
+  context.EndComputing();
+  std::vector<std::string_view> written;
+  for (const TaskBlob& blob : blobs) {
+    if (!blob.bytes.empty()) {
+      written.push_back(blob.bytes);
+    }
+  }
+  COHORT_ASSIGN_OR_RETURN(const std::vector<Digest> digests, context.store.PutAll(written));
+  auto digest = digests.begin();
+  for (const TaskBlob& blob : blobs) {
+    if (!blob.bytes.empty()) {
+      blob.digest = *digest++;
+    }
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::map<int32_t, Alignment>> LoadAlignments(BlobStore& store,
                                                             const std::vector<Digest>& blobs) {
   std::map<int32_t, Alignment> alignments;

@@ -2,9 +2,12 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <stop_token>
+#include <string_view>
 #include <vector>
 
 #include <absl/status/statusor.h>
@@ -23,14 +26,29 @@ struct TaskContext {
   MeshCache& meshes;
   std::stop_token stop;
   ComputeSlots::Permit& permit;
-  std::atomic<int64_t>& ticks;  ///< HeldTask::ticks.
+  std::atomic<int64_t>& ticks;             ///< HeldTask::ticks.
+  std::function<void()> on_computed = {};  ///< TaskHooks::on_computed.
 
   /// Says that the task gets on; asked between meshes and pairs.
   /// @return kCancelled once the worker wants the task to end.
   [[nodiscard]] absl::Status CheckStop() const;
   /// What is left is to write the outputs: the next task may compute meanwhile.
-  void EndComputing() const { permit.Release(); }
+  void EndComputing() const {
+    permit.Release();
+    if (on_computed) {
+      on_computed();
+    }
+  }
 };
+
+/// A blob that a task writes, and where its digest goes; empty: there is none.
+struct TaskBlob {
+  std::string_view bytes;
+  Digest& digest;
+};
+/// Ends the computing of the task and writes its blobs, all together.
+/// @return as BlobStore::PutAll.
+[[nodiscard]] absl::Status WriteBlobs(const TaskContext& context, std::span<const TaskBlob> blobs);
 
 /// The alignments in `blobs` by mesh index.
 [[nodiscard]] absl::StatusOr<std::map<int32_t, Alignment>> LoadAlignments(

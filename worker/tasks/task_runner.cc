@@ -74,11 +74,11 @@ absl::StatusOr<TaskResult> Dispatch(const Task& task, const TaskContext& context
 absl::StatusOr<TaskResult> TaskRunner::Run(const Task& task,
                                            std::stop_token stop,
                                            std::atomic<int64_t>& ticks,
-                                           const std::function<void()>& on_begin) {
+                                           const TaskHooks& hooks) {
   COHORT_ASSIGN_OR_RETURN(ComputeSlots::Permit permit, slots_.Acquire(stop));
   ticks = 0;
-  if (on_begin) {
-    on_begin();
+  if (hooks.on_begin) {
+    hooks.on_begin();
   }
   const auto start = std::chrono::steady_clock::now();
   try {
@@ -86,7 +86,8 @@ absl::StatusOr<TaskResult> TaskRunner::Run(const Task& task,
                                                         .meshes = meshes_,
                                                         .stop = std::move(stop),
                                                         .permit = permit,
-                                                        .ticks = ticks});
+                                                        .ticks = ticks,
+                                                        .on_computed = hooks.on_computed});
     if (result.ok()) {
       result->seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -16,6 +16,12 @@
 
 namespace cohort {
 
+/// What a task tells while it runs, on its own thread; null: nobody listens.
+struct TaskHooks {
+  std::function<void()> on_begin = {};     ///< It has got its slot.
+  std::function<void()> on_computed = {};  ///< It has given it back, and only writes from now on.
+};
+
 /// Runs tasks: the kind picks the function. Thread-safe.
 class TaskRunner {
  public:
@@ -34,11 +40,10 @@ class TaskRunner {
     return Run(task, std::move(stop), ticks);
   }
   /// @param ticks  HeldTask::ticks, kept up to date.
-  /// @param on_begin  called when the task has got its slot; null: nothing is.
   [[nodiscard]] absl::StatusOr<TaskResult> Run(const Task& task,
                                                std::stop_token stop,
                                                std::atomic<int64_t>& ticks,
-                                               const std::function<void()>& on_begin = {});
+                                               const TaskHooks& hooks = {});
 
  private:
   BlobStore& store_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -46,12 +47,8 @@ class TileOutput {
   absl::Status Write(const TaskContext& context, TaskResult& result) const {
     const std::string metrics = EncodeTileBlob(metrics_);
     const std::string fields = fields_.blocks.empty() ? std::string() : EncodeFieldBlob(fields_);
-    context.EndComputing();
-    COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(metrics));
-    if (!fields.empty()) {
-      COHORT_ASSIGN_OR_RETURN(result.fields, context.store.Put(fields));
-    }
-    return absl::OkStatus();
+    const std::array<TaskBlob, 2> written = {{{metrics, result.output}, {fields, result.fields}}};
+    return WriteBlobs(context, written);
   }
 
  private:

@@ -1,5 +1,6 @@
 #include "worker/tasks/variation_task.h"
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,10 +9,9 @@
 #include "common/geometry/comparison/metrics.h"
 #include "common/geometry/registration/mean_shape.h"
 #include "common/jobs/blobs.h"
-#include "common/jobs/preview_blobs.h"
-#include "common/pairs/signature.h"
 #include "common/store/mesh_blob.h"
 #include "worker/tasks/displacement_finder.h"
+#include "worker/tasks/variation_output.h"
 
 namespace cohort {
 
@@ -20,41 +20,20 @@ absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext&
       DisplacementFinder displacements,
       DisplacementFinder::Create(task.reference, task.icp.correspondence, context));
   COHORT_ASSIGN_OR_RETURN(const auto alignments, LoadAlignments(context.store, task.alignments));
-  const int64_t n = displacements.VertexCount();
   TaskResult result;
-  CorrespondencePart correspondences{.meshes = {}, .fields = DisplacementFields(n)};
-  CorrespondencePart signatures{.meshes = {},
-                                .fields = DisplacementFields(std::ssize(SignatureVertices(n)))};
-  VariationPart part;
-  part.distances.resize(n, static_cast<Eigen::Index>(task.meshes.size()));
-  part.displacement.sum = Eigen::Matrix3Xd::Zero(3, task.moves_reference ? n : 0);
-  for (size_t k = 0; k < task.meshes.size(); ++k) {
+  VariationOutput output(task, displacements.VertexCount());
+  for (const TaskMesh& input : task.meshes) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
-    const TaskMesh& input = task.meshes[k];
     COHORT_ASSIGN_OR_RETURN(const Similarity T_reference_mesh, SimilarityOf(alignments, input));
     COHORT_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd displacement,
                             displacements.Find(input.blob, T_reference_mesh));
-    part.distances.col(static_cast<Eigen::Index>(k)) =
-        displacement.colwise().norm().transpose().cast<float>();
-    if (task.moves_reference) {
-      part.displacement.sum += displacement;
-    }
-    ++part.displacement.mesh_count;
-    part.meshes.push_back(input.index);
-    signatures.meshes.push_back(input.index);
-    signatures.fields.Add(SignatureOf(displacement));
-    if (task.wants_displacement) {
-      correspondences.meshes.push_back(input.index);
-      correspondences.fields.Add(displacement.cast<float>());
-    }
-    result.counters.variation += {.index_builds = 1, .lookups = n};
+    output.Add(input.index, displacement, result.counters);
   }
-  COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeVariationBlob(part)));
-  COHORT_ASSIGN_OR_RETURN(result.fields, context.store.Put(EncodeCorrespondenceBlob(signatures)));
-  if (task.wants_displacement) {
-    COHORT_ASSIGN_OR_RETURN(result.second_output,
-                            context.store.Put(EncodeCorrespondenceBlob(correspondences)));
-  }
+  const VariationOutput::Blobs blobs = std::move(output).Encode();
+  const std::array<TaskBlob, 3> written = {{{blobs.variation, result.output},
+                                            {blobs.signatures, result.fields},
+                                            {blobs.correspondences, result.second_output}}};
+  COHORT_RETURN_IF_ERROR(WriteBlobs(context, written));
   return result;
 }
 
@@ -90,9 +69,12 @@ absl::StatusOr<TaskResult> RunSummarizeTask(const Task& task, const TaskContext&
   if (task.moves_reference) {
     mean_shape.vertices = MoveByMeanDisplacement(reference->vertices, sums, summary.mesh_count);
   }
+  const std::string summary_blob = EncodeSummaryBlob(summary);
+  const std::string mean_blob = EncodeRawMeshBlob(mean_shape);
   TaskResult result;
-  COHORT_ASSIGN_OR_RETURN(result.output, context.store.Put(EncodeSummaryBlob(summary)));
-  COHORT_ASSIGN_OR_RETURN(result.second_output, context.store.Put(EncodeRawMeshBlob(mean_shape)));
+  const std::array<TaskBlob, 2> written = {
+      {{summary_blob, result.output}, {mean_blob, result.second_output}}};
+  COHORT_RETURN_IF_ERROR(WriteBlobs(context, written));
   return result;
 }
 

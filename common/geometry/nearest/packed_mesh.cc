@@ -175,13 +175,17 @@ void JoinBoxes(const std::vector<float>& boxes, size_t first, float* group, floa
 
 }  // namespace
 
-PackedMesh::PackedMesh(const Eigen::Ref<const Eigen::Matrix3Xf>& vertices)
-    : vertex_count_(static_cast<int>(vertices.cols())),
-      leaf_count_(LeavesFor(static_cast<size_t>(vertices.cols()))),
+PackedMesh::PackedMesh(int vertex_count)
+    : vertex_count_(vertex_count),
+      leaf_count_(LeavesFor(static_cast<size_t>(vertex_count))),
       vertices_(static_cast<size_t>(leaf_count_) * kLanes),
       points_(static_cast<size_t>(leaf_count_) * kLeafFloats),
       boxes_(static_cast<size_t>(leaf_count_) * kBoxFloats) {
-  assert(vertices.cols() >= 1 && vertices.cols() < (int64_t{1} << 27));
+  assert(vertex_count >= 1 && vertex_count < (1 << 27));
+}
+
+PackedMesh::PackedMesh(const Eigen::Ref<const Eigen::Matrix3Xf>& vertices)
+    : PackedMesh(static_cast<int>(vertices.cols())) {
   std::vector<Key> keys(static_cast<size_t>(vertex_count_));
   for (size_t i = 0; i < keys.size(); ++i) {
     keys[i] = i;
@@ -190,25 +194,33 @@ PackedMesh::PackedMesh(const Eigen::Ref<const Eigen::Matrix3Xf>& vertices)
   for (size_t slot = 0; slot < vertices_.size(); ++slot) {
     vertices_[slot] = static_cast<int32_t>(VertexOf(keys[std::min(slot, keys.size() - 1)]));
   }
-  FillLeaves(vertices);
-  BuildLevels();
-  view_.points = points_.data();
-  view_.boxes = boxes_.data();
-  view_.vertices = vertices_.data();
-  view_.leaf_count = leaf_count_;
-  view_.vertex_count = vertex_count_;
+  FillLeaves([&](size_t leaf, int side, int lane) {
+    return vertices(side, vertices_[leaf * kLanes + static_cast<size_t>(lane)]);
+  });
 }
 
-void PackedMesh::FillLeaves(const Eigen::Ref<const Eigen::Matrix3Xf>& vertices) {
-  for (int leaf = 0; leaf < leaf_count_; ++leaf) {
-    float* points = &points_[static_cast<size_t>(leaf) * kLeafFloats];
-    float* box = &boxes_[static_cast<size_t>(leaf) * kBoxFloats];
-    const int32_t* of_leaf = &vertices_[static_cast<size_t>(leaf) * kLanes];
+PackedMesh PackedMesh::FromSlots(int vertex_count,
+                                 std::span<const int32_t> vertex_of_slot,
+                                 std::span<const float> points) {
+  PackedMesh mesh(vertex_count);
+  assert(vertex_of_slot.size() == mesh.vertices_.size() && points.size() == mesh.points_.size());
+  std::copy(vertex_of_slot.begin(), vertex_of_slot.end(), mesh.vertices_.begin());
+  mesh.FillLeaves([points](size_t leaf, int side, int lane) {
+    return points[leaf * kLeafFloats + static_cast<size_t>(side * kLanes + lane)];
+  });
+  return mesh;
+}
+
+template <typename Coordinate>
+void PackedMesh::FillLeaves(Coordinate coordinate) {
+  for (size_t leaf = 0; leaf < static_cast<size_t>(leaf_count_); ++leaf) {
+    float* points = &points_[leaf * kLeafFloats];
+    float* box = &boxes_[leaf * kBoxFloats];
     for (int side = 0; side < 3; ++side) {
       float low = kInfinity;
       float high = -kInfinity;
       for (int lane = 0; lane < kLanes; ++lane) {
-        const float value = vertices(side, of_leaf[lane]);
+        const float value = coordinate(leaf, side, lane);
         points[side * kLanes + lane] = value;
         low = std::min(low, value);
         high = std::max(high, value);
@@ -220,6 +232,13 @@ void PackedMesh::FillLeaves(const Eigen::Ref<const Eigen::Matrix3Xf>& vertices) 
     box[6] = 0;
     box[7] = 0;
   }
+  BuildLevels();
+  view_.points = points_.data();
+  view_.boxes = boxes_.data();
+  view_.vertices = vertices_.data();
+  view_.leaf_count = leaf_count_;
+  view_.vertex_count = vertex_count_;
+  diagonal_ = MeasureDiagonal();
 }
 
 void PackedMesh::BuildLevels() {
@@ -244,7 +263,7 @@ Eigen::Vector3f PackedMesh::PointOfSlot(int slot) const {
   return {points[lane], points[kLanes + lane], points[2 * kLanes + lane]};
 }
 
-double PackedMesh::Diagonal() const {
+double PackedMesh::MeasureDiagonal() const {
   double squared = 0;
   for (size_t side = 0; side < 3; ++side) {
     float low = kInfinity;

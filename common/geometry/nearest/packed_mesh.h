@@ -41,6 +41,13 @@ class PackedMesh {
   /// @param vertices  3 x n, n >= 1, finite, at most kMostCoordinate, centred, mesh units; copied.
   explicit PackedMesh(const Eigen::Ref<const Eigen::Matrix3Xf>& vertices);
 
+  /// A copy of another one, from what its leaves hold: several times as fast as packing again.
+  /// @param vertex_of_slot  VertexOfSlot() of the other.
+  /// @param points          Its View::points: 3 floats a slot.
+  [[nodiscard]] static PackedMesh FromSlots(int vertex_count,
+                                            std::span<const int32_t> vertex_of_slot,
+                                            std::span<const float> points);
+
   [[nodiscard]] int VertexCount() const { return vertex_count_; }
   [[nodiscard]] int LeafCount() const { return leaf_count_; }
   /// Slots with the repeats at the end; the first VertexCount() hold each vertex once.
@@ -49,16 +56,22 @@ class PackedMesh {
   [[nodiscard]] Eigen::Vector3f PointOfSlot(int slot) const;
   [[nodiscard]] const View& Addresses() const { return view_; }
   /// Of the bounding box.
-  [[nodiscard]] double Diagonal() const;
+  [[nodiscard]] double Diagonal() const { return diagonal_; }
   /// Memory held.
   [[nodiscard]] int64_t ByteCount() const;
 
  private:
-  void FillLeaves(const Eigen::Ref<const Eigen::Matrix3Xf>& vertices);
+  /// Makes room for the leaves of so many vertices.
+  explicit PackedMesh(int vertex_count);
+  /// Leaves, boxes and the view. @param coordinate  float of (leaf, side, lane).
+  template <typename Coordinate>
+  void FillLeaves(Coordinate coordinate);
   void BuildLevels();
+  [[nodiscard]] double MeasureDiagonal() const;
 
   int vertex_count_;
   int leaf_count_;
+  double diagonal_ = 0;
   std::vector<int32_t> vertices_;
   AlignedArray<float> points_;
   AlignedArray<float> boxes_;

@@ -53,7 +53,10 @@ TEST(ActionKey, ChangesWithEverythingThatTheResultDependsOn) {
       [](Task& task) { task.position_bits = 12; },
       [](Task& task) { task.arithmetic = Arithmetic::kFidentis; },
       [](Task& task) { task.wants_placed = true; },
+      [](Task& task) { task.wants_pose = true; },
       [](Task& task) { task.wants_displacement = true; },
+      [](Task& task) { task.wants_variation = true; },
+      [](Task& task) { task.wants_correspondences = true; },
       [](Task& task) { task.counts_reference_index = true; },
       [](Task& task) { task.moves_reference = true; },
       [](Task& task) {

@@ -29,6 +29,8 @@ TaskResult SomeResult() {
   TaskResult result;
   result.output = Sha256::Of("one");
   result.second_output = Sha256::Of("two");
+  result.poses = Sha256::Of("poses");
+  result.variation = Sha256::Of("variation");
   result.placed = Sha256::Of("three");
   IngestedMesh& mesh = result.ingested.emplace_back();
   mesh.index = 4;
@@ -64,6 +66,8 @@ TEST(TaskResultJson, RoundTripsThroughTextWithoutLosingABit) {
   ASSERT_THAT(result, IsOk());
   EXPECT_EQ(result->output, expected.output);
   EXPECT_EQ(result->second_output, expected.second_output);
+  EXPECT_EQ(result->poses, expected.poses);
+  EXPECT_EQ(result->variation, expected.variation);
   EXPECT_EQ(result->placed, expected.placed);
   EXPECT_EQ(result->copies, expected.copies);
   EXPECT_EQ(result->rejections, expected.rejections);

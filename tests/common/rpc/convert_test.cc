@@ -92,7 +92,10 @@ TEST(Convert, ATaskSurvivesTheWay) {
   task.position_bits = 12;
   task.arithmetic = Arithmetic::kFidentis;
   task.wants_placed = true;
+  task.wants_pose = true;
   task.wants_displacement = true;
+  task.wants_variation = true;
+  task.wants_correspondences = true;
   task.counts_reference_index = true;
   task.moves_reference = true;
   task.frame_center = {0.1, 0.2, 0.3};
@@ -108,12 +111,18 @@ TEST(Convert, ATaskSurvivesTheWay) {
   EXPECT_EQ(back->compare, task.compare);
   EXPECT_EQ(back->arithmetic, Arithmetic::kFidentis);
   EXPECT_TRUE(back->wants_placed);
+  EXPECT_TRUE(back->wants_pose);
+  EXPECT_TRUE(back->wants_displacement);
+  EXPECT_TRUE(back->wants_variation);
+  EXPECT_TRUE(back->wants_correspondences);
   EXPECT_EQ(back->landmarks, task.landmarks);
 }
 
 TEST(Convert, ATaskResultSurvivesTheWay) {
   TaskResult result;
   result.output = Sha256::Of("out");
+  result.poses = Sha256::Of("poses");
+  result.variation = Sha256::Of("variation");
   result.ingested = {UnusualIngested()};
   result.copies = {{.index = 7, .blob = Sha256::Of("copy"), .asymmetry = 0.3}};
   result.rejections = {{.index = 4, .reason = "broken"}};

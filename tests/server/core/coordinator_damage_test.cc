@@ -22,10 +22,10 @@ using testing::StatusIs;
 
 /// The blobs of a result by the field that names them.
 std::map<std::string, Digest> BlobsOf(const DoneTask& done) {
-  std::map<std::string, Digest> blobs = {{"output", done.result.output},
-                                         {"second output", done.result.second_output},
-                                         {"fields", done.result.fields},
-                                         {"placed", done.result.placed}};
+  std::map<std::string, Digest> blobs = {
+      {"output", done.result.output}, {"second output", done.result.second_output},
+      {"poses", done.result.poses},   {"variation", done.result.variation},
+      {"fields", done.result.fields}, {"placed", done.result.placed}};
   if (!done.result.ingested.empty()) {
     blobs["canonical mesh"] = done.result.ingested[0].blob;
   }
@@ -149,12 +149,13 @@ TEST_F(CoordinatorDamageTest, AJobHasABlobOfEveryKind) {
   for (const BlobOfJob& blob : OneOfEach(tasks_)) {
     kinds.push_back(blob.what);
   }
-  // Two rounds of alignment: the displacement comes with the first.
-  EXPECT_THAT(kinds, ::testing::IsSupersetOf(
-                         {"ingest, canonical mesh", "pose, output", "align 1, output",
-                          "align 1, second output", "average 1, output", "compare, output",
-                          "compare, fields", "variation, output", "variation, second output",
-                          "variation, fields", "preview, output", "summarize, output"}))
+  // Two alignments: poses and displacement come with the first, the variation with the last.
+  EXPECT_THAT(kinds,
+              ::testing::IsSupersetOf(
+                  {"ingest, canonical mesh", "align 1, output", "align 1, poses",
+                   "align 1, second output", "average 1, output", "align 2, output",
+                   "align 2, variation", "align 2, second output", "align 2, fields",
+                   "compare, output", "compare, fields", "preview, output", "summarize, output"}))
       << ::testing::PrintToString(kinds);
 }
 

@@ -156,7 +156,7 @@ class FullDiskTest : public ::testing::Test {
   enum class DiskIs { kRoomy, kFullAtTimes };
   std::string RunJob(DiskIs disk) {
     JobSpec spec;
-    spec.rounds = 1;
+    spec.rounds = 3;
     spec.icp.max_iterations = 3;
     const Job job = coordinator_->CreateJob("set", spec, "").value();
     for (int i = 0; i < 400 && !IsFinal(coordinator_->GetJob(job.id)->state); ++i) {

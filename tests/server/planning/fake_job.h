@@ -85,9 +85,15 @@ class FakeJob {
     if (task.kind != TaskKind::kIngest && task.kind != TaskKind::kSymmetrize) {
       result.output = Name(name);
     }
-    if (task.wants_displacement || task.kind == TaskKind::kAlignAndCompare ||
-        task.kind == TaskKind::kSummarize) {
+    if (task.wants_displacement || task.wants_correspondences ||
+        task.kind == TaskKind::kAlignAndCompare || task.kind == TaskKind::kSummarize) {
       result.second_output = Name(name + "+");
+    }
+    if (task.wants_pose) {
+      result.poses = Name(name + "^");
+    }
+    if (task.wants_variation) {
+      result.variation = Name(name + "~");
     }
     if (task.wants_placed) {
       result.placed = Name(name + "@");
@@ -183,7 +189,10 @@ class FakeJob {
     std::vector<std::string> flags;
     if (task.arithmetic == Arithmetic::kFidentis) flags.emplace_back("fidentis");
     if (task.wants_placed) flags.emplace_back("placed");
+    if (task.wants_pose) flags.emplace_back("pose");
     if (task.wants_displacement) flags.emplace_back("displacement");
+    if (task.wants_variation) flags.emplace_back("variation");
+    if (task.wants_correspondences) flags.emplace_back("correspondences");
     if (task.counts_reference_index) flags.emplace_back("counts index");
     if (task.moves_reference) flags.emplace_back("moves reference");
     if (!flags.empty()) {

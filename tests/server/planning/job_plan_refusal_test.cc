@@ -125,7 +125,7 @@ TEST(TaskFinished, RefusesRejectionsThatAreNotTheTasks) {
   EXPECT_THAT(plan->TaskFinished(2, job.ResultOf(aligns[0])), IsOk());
   EXPECT_THAT(plan->TaskFinished(3, job.ResultOf(aligns[1])), IsOk());
   EXPECT_THAT(plan->TaskFinished(4, result),
-              StatusIs(kInvalid, "task 4 (variation): mesh 1 is not its to reject"));
+              StatusIs(kInvalid, "task 4 (summarize): mesh 1 is not its to reject"));
 }
 
 // ---- Meshes that drop out ----
@@ -138,49 +138,62 @@ TEST(Rejections, TakeAMeshOutOfEverythingThatFollows) {
   EXPECT_EQ(plan->Meshes()[1].rejection, "line 3: not a number");
   EXPECT_FALSE(plan->Meshes()[1].ingested.has_value());
   EXPECT_TRUE(plan->Meshes()[0].ingested.has_value());
-  EXPECT_THAT(job.RunReady(*plan), ElementsAre("4 pose: a | to a | counts index",
-                                               "5 pose: c | to a", "6 pose: d | to a"));
+  EXPECT_THAT(job.RunReady(*plan),
+              ElementsAre("4 align: a | to a | pose, variation, counts index, moves reference",
+                          "5 align: c | to a | pose, variation, moves reference",
+                          "6 align: d | to a | pose, variation, moves reference"));
   EXPECT_THAT(job.RunAll(*plan), Not(::testing::Contains(HasSubstr(" b "))));
   EXPECT_EQ(plan->Outputs().tiles.size(), 6u);
 }
 
 TEST(Rejections, DropAnEmptyBatchAndCountTheIndexInTheNextOne) {
   FakeJob job(4);
-  job.RejectIn("pose", 0, "no pose");
-  job.RejectIn("align 1", 2, "collapsed");
-  const auto plan = job.Plan(SpecOf(Method::kAverage));
-  job.RunUntil(*plan, "align 1");
-  EXPECT_THAT(job.RunReady(*plan),
-              ElementsAre("8 align 1: b | to a | from pose#5 | displacement, counts index",
-                          "9 align 1: c | to a | from pose#6 | displacement",
-                          "10 align 1: d | to a | from pose#7 | displacement"))
-      << "a rejected base stays the first reference of a mean shape";
-  EXPECT_THAT(job.RunReady(*plan), ElementsAre("11 average 1: | to a | of align 1#8+ align 1#10+"));
-  EXPECT_THAT(job.RunReady(*plan),
-              ElementsAre("12 align 2: b | to average 1#11 | from align 1#8 | counts index",
-                          "13 align 2: d | to average 1#11 | from align 1#10"));
+  job.RejectIn("align 1", 0, "no pose");
+  job.RejectIn("align 2", 2, "collapsed");
+  const auto plan = job.Plan(SpecOf(Method::kAverage, PoseMode::kPrincipalAxes, 2));
+  job.RunUntil(*plan, "average 1");
   EXPECT_EQ(plan->Meshes()[0].rejection, "no pose");
-  EXPECT_EQ(plan->Meshes()[2].rejection, "collapsed");
   EXPECT_THAT(job.RunReady(*plan),
-              ElementsAre("14 variation: b | to average 1#11 | from align 2#12",
-                          "15 variation: d | to average 1#11 | from align 2#13"));
+              ElementsAre("8 average 1: | to a | of align 1#5+ align 1#6+ align 1#7+"))
+      << "a rejected base stays the first reference of a mean shape";
   EXPECT_THAT(
       job.RunReady(*plan),
-      ElementsAre("16 summarize: | to average 1#11 | of variation#14 variation#15",
-                  "17 compare: b x d | from align 2#12 align 2#13",
-                  "18 compare: b x b | from align 2#12", "19 compare: d x d | from align 2#13"));
+      ElementsAre("9 align 2: b | to average 1#8 | from align 1#5 | displacement, counts index",
+                  "10 align 2: c | to average 1#8 | from align 1#6 | displacement",
+                  "11 align 2: d | to average 1#8 | from align 1#7 | displacement"));
+  EXPECT_EQ(plan->Meshes()[2].rejection, "collapsed");
+  EXPECT_THAT(job.RunReady(*plan),
+              ElementsAre("12 average 2: | to average 1#8 | of align 2#9+ align 2#11+"));
+  EXPECT_THAT(
+      job.RunReady(*plan),
+      ElementsAre("13 align 3: b | to average 2#12 | from align 2#9 | variation, counts index",
+                  "14 align 3: d | to average 2#12 | from align 2#11 | variation"));
+  EXPECT_THAT(
+      job.RunReady(*plan),
+      ElementsAre("15 summarize: | to average 2#12 | of align 3#13~ align 3#14~",
+                  "16 compare: b x d | from align 3#13 align 3#14",
+                  "17 compare: b x b | from align 3#13", "18 compare: d x d | from align 3#14"));
+}
+
+TEST(Rejections, InTheLastAlignmentLeaveNoVariationBehind) {
+  FakeJob job(4);
+  job.RejectIn("align 2", 1, "collapsed");
+  const auto plan = job.Plan(SpecOf(Method::kAverage));
+  job.RunUntil(*plan, "summarize");
+  EXPECT_EQ(job.RunReady(*plan)[0],
+            "13 summarize: | to average 1#8 | of align 2#9~ align 2#11~ align 2#12~");
 }
 
 TEST(Rejections, LeaveABatchItsIdentity) {
-  FakeJob job(128);  // Batches of two.
+  FakeJob job(128);  // Batches of two, and of one at the end.
   job.RejectIn("align 1", 0);
   const auto plan = job.Plan(SpecOf(Method::kAverage, PoseMode::kNone), job.AllIndices());
-  EXPECT_THAT(job.RunReady(*plan)[1], HasSubstr("65 align 1: m100002 m100003 | to m100000"));
-  EXPECT_THAT(job.RunReady(*plan)[0], HasSubstr("of align 1#64+ align 1#65+"));
+  EXPECT_THAT(job.RunReady(*plan)[1], HasSubstr("67 align 1: m100002 m100003 | to m100000"));
+  EXPECT_THAT(job.RunReady(*plan)[0], HasSubstr("of align 1#66+ align 1#67+"));
   const std::vector<std::string> next = job.RunReady(*plan);
-  EXPECT_THAT(next[0], HasSubstr("align 2: m100001 | to average 1#128 | from align 1#64"));
+  EXPECT_THAT(next[0], HasSubstr("align 2: m100001 | to average 1#132 | from align 1#66"));
   EXPECT_THAT(next[1], HasSubstr("align 2: m100002 m100003 | to"));
-  EXPECT_EQ(next.size(), 64u);
+  EXPECT_EQ(next.size(), 66u);
 }
 
 TEST(Rejections, AreFineWithoutABlobWhenNothingIsLeftOfABatch) {
@@ -192,7 +205,6 @@ TEST(Rejections, AreFineWithoutABlobWhenNothingIsLeftOfABatch) {
   EXPECT_THAT(plan->TaskFinished(4, nothing), IsOk());
   EXPECT_THAT(plan->TaskFinished(3, job.ResultOf(tasks[0])), IsOk());
   EXPECT_THAT(plan->TaskFinished(5, job.ResultOf(tasks[2])), IsOk());
-  EXPECT_EQ(job.RunReady(*plan).size(), 2u) << "variation";
   EXPECT_EQ(plan->TakeReadyTasks().size(), 1u + 3u) << "summarize and compare";
 }
 
@@ -279,15 +291,17 @@ TEST(Rejections, OfTheFirstMeshMakeTheNextOneTheBaseWhenNoneIsNamed) {
   job.RejectIn("ingest", 0, "no faces");
   const auto plan = job.Plan(SpecOf(Method::kOne));
   (void)job.RunReady(*plan);
-  EXPECT_EQ(job.RunReady(*plan)[0], "4 pose: b | to b | counts index");
+  EXPECT_EQ(job.RunReady(*plan)[0],
+            "4 align: b | to b | pose, variation, counts index, moves reference");
 }
 
 TEST(Rejections, OfTheBaseAfterIngestFailJobsThatCompareWithIt) {
   for (const Method method : {Method::kOne, Method::kEach}) {
     FakeJob job(4);
-    job.RejectIn("pose", 0, "flat");
+    const std::string stage = method == Method::kOne ? "align" : "pose";
+    job.RejectIn(stage, 0, "flat");
     const auto plan = job.Plan(SpecOf(method));
-    job.RunUntil(*plan, "pose");
+    job.RunUntil(*plan, stage);
     absl::Status status;
     (void)job.RunReady(*plan, &status);
     EXPECT_THAT(status, StatusIs(kFailed, "the base mesh a.ply cannot be used: flat"));

@@ -82,12 +82,10 @@ TEST_P(PlanBatching, FollowsFromTheNumberOfMeshes) {
   }
   EXPECT_EQ(largest["ingest"], GetParam().ingest_size);
   EXPECT_EQ(largest["align"], GetParam().align_size);
-  EXPECT_EQ(largest["variation"], GetParam().align_size);
   EXPECT_EQ(largest["compare"], GetParam().tile_size);
   const auto all = static_cast<size_t>(GetParam().meshes);
   EXPECT_EQ(seen["ingest"].size(), all);
   EXPECT_EQ(seen["align"].size(), all);
-  EXPECT_EQ(seen["variation"].size(), all);
 }
 
 INSTANTIATE_TEST_SUITE_P(Table,
@@ -97,34 +95,8 @@ INSTANTIATE_TEST_SUITE_P(Table,
                                            Batching{127, 1, 1, 6},
                                            Batching{128, 2, 2, 6},
                                            Batching{384, 6, 6, 7},
-                                           Batching{700, 8, 10, 7},
-                                           Batching{1100, 8, 16, 7}));
-
-/// Meshes of the largest task that aligns.
-size_t LargestBatch(int meshes, int64_t vertices) {
-  FakeJob job(meshes);
-  job.vertices = vertices;
-  const auto plan = job.Plan(SpecOf(Method::kOne, PoseMode::kNone));
-  size_t largest = 0;
-  while (!plan->Done()) {
-    for (const Task& task : plan->TakeReadyTasks()) {
-      if (task.kind == TaskKind::kAlign) {
-        largest = std::max(largest, task.meshes.size());
-      }
-      EXPECT_THAT(plan->TaskFinished(task.number, job.ResultOf(task)), IsOk());
-    }
-  }
-  return largest;
-}
-
-TEST(BatchSize, JoinsSmallMeshesButLeavesSixteenBatches) {
-  EXPECT_EQ(LargestBatch(60, 700'000), 1U);
-  EXPECT_EQ(LargestBatch(60, 20'000), 3U);
-  EXPECT_EQ(LargestBatch(8, 5'000), 1U);
-  EXPECT_EQ(LargestBatch(200, 20'000), 4U);  // 4 x 8 ms are enough,
-  EXPECT_EQ(LargestBatch(200, 10'000), 8U);
-  EXPECT_EQ(LargestBatch(200, 1'000), 12U);  // and 200 / 16 the most.
-}
+                                           Batching{700, 10, 10, 7},
+                                           Batching{1100, 16, 16, 7}));
 
 /// Meshes of the largest block of the tiles.
 size_t LargestBlock(int meshes, int64_t vertices) {
@@ -229,8 +201,9 @@ TEST(PlanWithKnownMeshes, SkipsTheirIngestButKeepsTheNumbers) {
 TEST(PlanWithKnownMeshes, BeginsAfterIngestWhenAllAreKnown) {
   FakeJob job(3);
   const auto plan = job.Plan(SpecOf(Method::kOne), job.AllIndices());
-  EXPECT_EQ(plan->CurrentProgress().stage, "pose");
-  EXPECT_EQ(job.RunReady(*plan)[0], "3 pose: a | to a | counts index");
+  EXPECT_EQ(plan->CurrentProgress().stage, "align");
+  EXPECT_EQ(job.RunReady(*plan)[0],
+            "3 align: a | to a | pose, variation, counts index, moves reference");
 }
 
 // ---- Bookkeeping ----
