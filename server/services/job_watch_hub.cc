@@ -1,18 +1,40 @@
 #include "server/services/job_watch_hub.h"
 
+#include <chrono>
 #include <optional>
 #include <utility>
 #include <vector>
+
+#include <grpcpp/alarm.h>
 
 #include "common/rpc/convert.h"
 #include "common/rpc/grpc_status.h"
 
 namespace cohort {
+namespace {
+
+/// Progress alone is sent no more often: nobody reads faster, and a job has a change for each task.
+constexpr std::chrono::milliseconds kLeastPause(100);
+
+/// What people wait for; the rest of a job is progress.
+struct Milestone {
+  JobState state = JobState::kQueued;
+  std::string stage;
+  std::string waiting_for;
+  friend bool operator==(const Milestone&, const Milestone&) = default;
+};
+
+Milestone MilestoneOf(const Job& job) {
+  return {.state = job.state, .stage = job.progress.stage, .waiting_for = job.progress.waiting_for};
+}
+
+}  // namespace
 
 /// One open stream: one write at a time, and between writes only the newest state is kept. gRPC may
 /// call back from inside StartWrite and Finish, so neither is called with a lock held. Lives as
 /// long as gRPC (through self_) or the hub uses it.
-class JobWatch final : public grpc::ServerWriteReactor<v1::WatchJobResponse> {
+class JobWatch final : public grpc::ServerWriteReactor<v1::WatchJobResponse>,
+                       public std::enable_shared_from_this<JobWatch> {
  public:
   JobWatch(JobWatchHub& hub, JobId id, int64_t since_version)
       : hub_(hub), id_(std::move(id)), sent_version_(since_version) {}
@@ -66,7 +88,12 @@ class JobWatch final : public grpc::ServerWriteReactor<v1::WatchJobResponse> {
         return;
       }
       if (!end_ && newest_ && newest_->version > sent_version_) {
+        if (MustWait()) {
+          return;
+        }
         sent_version_ = newest_->version;
+        sent_ = MilestoneOf(*newest_);
+        sent_at_ = std::chrono::steady_clock::now();
         *message_.mutable_job() = ToProto(*newest_);
         writing_ = true;
       } else if (end_ || (newest_ && IsFinal(newest_->state))) {
@@ -83,6 +110,34 @@ class JobWatch final : public grpc::ServerWriteReactor<v1::WatchJobResponse> {
     }
   }
 
+  /// Whether the newest state is to be sent later; then Pump is called again by itself.
+  bool MustWait() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    const auto wait = sent_at_ + kLeastPause - std::chrono::steady_clock::now();
+    if (!sent_ || *sent_ != MilestoneOf(*newest_) || wait <= wait.zero()) {
+      return false;
+    }
+    if (!pausing_) {
+      pausing_ = true;
+      // A new one each time: the last may be what calls us now.
+      alarm_ = std::make_unique<grpc::Alarm>();
+      alarm_->Set(std::chrono::system_clock::now() + wait,
+                  [watch = weak_from_this()](bool /*expired*/) {
+                    if (const auto held = watch.lock()) {
+                      held->EndPause();
+                    }
+                  });
+    }
+    return true;
+  }
+  void EndPause() {
+    {
+      MutexLock lock(mutex_);
+      pausing_ = false;
+      sent_at_ = {};
+    }
+    Pump();
+  }
+
   JobWatchHub& hub_;
   const JobId id_;
   std::shared_ptr<JobWatch> self_;
@@ -90,6 +145,10 @@ class JobWatch final : public grpc::ServerWriteReactor<v1::WatchJobResponse> {
   std::optional<Job> newest_ ABSL_GUARDED_BY(mutex_);
   std::optional<grpc::Status> end_ ABSL_GUARDED_BY(mutex_);
   int64_t sent_version_ ABSL_GUARDED_BY(mutex_);
+  std::optional<Milestone> sent_ ABSL_GUARDED_BY(mutex_);  ///< In this stream.
+  std::chrono::steady_clock::time_point sent_at_ ABSL_GUARDED_BY(mutex_);
+  bool pausing_ ABSL_GUARDED_BY(mutex_) = false;
+  std::unique_ptr<grpc::Alarm> alarm_ ABSL_GUARDED_BY(mutex_);
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   v1::WatchJobResponse message_;  ///< Belongs to gRPC while writing_.

@@ -13,8 +13,9 @@ namespace cohort {
 
 class JobWatch;
 
-/// Passes changes of jobs on to the open WatchJob streams. A slow client gets the newest state
-/// only; it never holds up anyone else. Thread-safe.
+/// Passes changes of jobs on to the open WatchJob streams: a new state or stage at once, progress
+/// within it ten times a second. A slow client gets the newest state only; it never holds up anyone
+/// else. Thread-safe.
 class JobWatchHub final : public JobObserver {
  public:
   void OnJobChanged(const Job& job) override;
