@@ -41,8 +41,11 @@ std::string RateText(double measured_share) {
   if (measured_share >= 0.995) {
     return "by the rates measured on this server";
   }
-  if (measured_share <= 0.005) {
+  if (measured_share <= 0) {
     return "by assumed rates: this server has measured none yet";
+  }
+  if (measured_share <= 0.005) {
+    return "less than 1 % of it by rates measured on this server, the rest assumed";
   }
   return fmt::format("{:.0f} % of it by rates measured on this server, the rest assumed",
                      100 * measured_share);

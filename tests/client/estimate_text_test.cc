@@ -52,6 +52,12 @@ TEST(EstimateToText, SaysWhatItDoesNotKnow) {
   EXPECT_THAT(text, Not(HasSubstr("room for")));
 }
 
+TEST(EstimateToText, SaysThatLittleIsMeasured) {
+  Estimate estimate = SomeEstimate();
+  estimate.stages[0].core_seconds = 1;
+  EXPECT_THAT(EstimateToText(estimate), HasSubstr("less than 1 % of it by rates measured"));
+}
+
 TEST(EstimateWarnings, AreOfWhatDoesNotFitAndOfACostlyMethodEach) {
   Estimate estimate = SomeEstimate();
   EXPECT_EQ(EstimateWarnings(estimate), "");
