@@ -19,8 +19,7 @@ struct IncomingFile {
 };
 
 /// Makes the files the blobs of their digests, durably. Good blobs that are there are kept and made
-/// young. The file system is asked to make all of them durable together, which is several times as
-/// fast as one after the other.
+/// young. The file system is asked to make all of them durable together.
 [[nodiscard]] absl::Status InstallBlobFiles(std::span<IncomingFile> files,
                                             const std::filesystem::path& root,
                                             Durability durability);

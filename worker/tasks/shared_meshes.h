@@ -8,8 +8,8 @@
 
 namespace cohort {
 
-/// Packed meshes that one worker of a machine has made and the others read: it takes a third of the
-/// time of packing, and a tenth of decoding and packing. Thread-safe.
+/// Packed meshes that one worker of a machine has made and the others read, instead of decoding,
+/// placing and packing them. Thread-safe.
 class SharedMeshes {
  public:
   /// @param folder  must outlive this.

@@ -41,7 +41,7 @@ class PackedMesh {
   /// @param vertices  3 x n, n >= 1, finite, at most kMostCoordinate, centred, mesh units; copied.
   explicit PackedMesh(const Eigen::Ref<const Eigen::Matrix3Xf>& vertices);
 
-  /// A copy of another one, from what its leaves hold: several times as fast as packing again.
+  /// A copy of another one, from what its leaves hold: nothing is sorted again.
   /// @param vertex_of_slot  VertexOfSlot() of the other.
   /// @param points          Its View::points: 3 floats a slot.
   [[nodiscard]] static PackedMesh FromSlots(int vertex_count,
