@@ -107,6 +107,7 @@ class Fleet {
 
   void Run() {
     std::vector<std::thread> threads;
+    threads.reserve(static_cast<size_t>(options_.threads));
     for (int i = 0; i < options_.threads; ++i) {
       threads.emplace_back([this] {
         while (std::optional<size_t> worker = Next()) {
@@ -200,7 +201,7 @@ class Fleet {
     }
   }
 
-  TaskResult Result(const GrantedTask& granted) const {
+  [[nodiscard]] TaskResult Result(const GrantedTask& granted) const {
     TaskResult result;
     const Task& task = granted.task;
     if (task.kind == TaskKind::kIngest) {
@@ -400,13 +401,10 @@ absl::Status Run(const Options& options) {
   return absl::OkStatus();
 }
 
-}  // namespace
-}  // namespace cohort
-
-int main(int argc, char** argv) {
+int Main(int argc, char** argv) {
   CLI::App app("cohort-fleet: what a server takes from thousands of workers.");
-  cohort::Options options;
-  options.server_program = cohort::SiblingProgram("cohort-server");
+  Options options;
+  options.server_program = SiblingProgram("cohort-server");
   app.add_option("--server-program", options.server_program)->capture_default_str();
   app.add_option("--folder", options.folder, "empty folder for the server's data")->required();
   app.add_option("--workers", options.workers)->capture_default_str();
@@ -421,10 +419,22 @@ int main(int argc, char** argv) {
   app.add_option("--most-sync-ms", options.most_sync_ms, "fails above; 99th percentile");
   app.add_option("--most-server-mb", options.most_server_mb, "fails above; peak memory");
   CLI11_PARSE(app, argc, argv);
-  const absl::Status status = cohort::Run(options);
+  const absl::Status status = Run(options);
   if (!status.ok()) {
     std::cerr << "fleet: FAILED: " << status.message() << "\n";
     return 1;
   }
   return 0;
+}
+
+}  // namespace
+}  // namespace cohort
+
+int main(int argc, char** argv) {
+  try {
+    return cohort::Main(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "fleet: FAILED: " << error.what() << "\n";
+    return 1;
+  }
 }

@@ -102,7 +102,7 @@ TEST_F(SharedFolderTest, FilesCutShortEmptyOrUnderAnotherNameAreFound) {
 
 TEST_F(SharedFolderTest, TheLeastRecentlyUsedGoesFirst) {
   const std::string bytes(1000, 'x');
-  const auto folder = Open(4 * 1100);
+  const auto folder = Open(4400);
   const auto name = [](int i) { return Sha256::Of(std::to_string(i)); };
   const auto now = fs::file_time_type::clock::now();
   for (int i = 0; i < 4; ++i) {
