@@ -1,60 +1,92 @@
 #include "common/jobs/action_key.h"
 
+#include <bit>
+#include <cstdint>
+#include <iterator>
+#include <string_view>
 #include <vector>
 
+#include <absl/strings/str_cat.h>
 #include <nlohmann/json.hpp>
 
 #include "common/base/sha256.h"
-#include "common/jobs/job_spec.h"
 
 namespace cohort {
 namespace {
 
-nlohmann::json ToJson(const std::vector<TaskMesh>& meshes) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const TaskMesh& mesh : meshes) {
-    list.push_back({mesh.index, mesh.name, mesh.blob.Hex()});
+/// Text that two tasks share only if all that was added to it is the same.
+class KeyText {
+ public:
+  /// Any bytes: names of files need not be UTF-8.
+  KeyText& Add(std::string_view bytes) {
+    absl::StrAppend(&text_, bytes.size(), ":");
+    text_ += bytes;
+    return *this;
   }
-  return list;
-}
+  KeyText& Add(int64_t number) {
+    absl::StrAppend(&text_, number, ";");
+    return *this;
+  }
+  KeyText& Add(const Digest& blob) { return Add(std::string_view(blob.Hex())); }
+  KeyText& Add(const std::vector<Digest>& blobs) {
+    Add(std::ssize(blobs));
+    for (const Digest& blob : blobs) {
+      Add(blob);
+    }
+    return *this;
+  }
+  KeyText& Add(const std::vector<TaskMesh>& meshes) {
+    Add(std::ssize(meshes));
+    for (const TaskMesh& mesh : meshes) {
+      Add(mesh.index).Add(std::string_view(mesh.name)).Add(mesh.blob);
+    }
+    return *this;
+  }
+  [[nodiscard]] std::string Hash() const { return Sha256::Of(text_).Hex(); }
 
-nlohmann::json ToJson(const std::vector<Digest>& blobs) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const Digest& blob : blobs) {
-    list.push_back(blob.Hex());
-  }
-  return list;
+ private:
+  std::string text_;
+};
+
+bool HaveSameOptions(const JobSpec& spec, const Task& task) {
+  return spec.icp == task.icp && spec.undersampling == task.undersampling &&
+         spec.compare == task.compare && spec.position_bits == task.position_bits &&
+         spec.arithmetic == task.arithmetic;
 }
 
 }  // namespace
 
-std::string ActionKey(const Task& task) {
-  // A spec carries the options: whatever is added to them is in its text.
-  JobSpec options;
-  options.icp = task.icp;
-  options.undersampling = task.undersampling;
-  options.compare = task.compare;
-  options.position_bits = task.position_bits;
-  options.arithmetic = task.arithmetic;
-  const nlohmann::json text = {{"results_version", kResultsVersion},
-                               {"kind", TaskKindName(task.kind)},
-                               {"meshes", ToJson(task.meshes)},
-                               {"targets", ToJson(task.targets)},
-                               {"reference", task.reference.Hex()},
-                               {"alignments", ToJson(task.alignments)},
-                               {"partials", ToJson(task.partials)},
-                               {"landmarks", task.landmarks.Hex()},
-                               {"options", ToJson(options)},
-                               {"wants_placed", task.wants_placed},
-                               {"wants_pose", task.wants_pose},
-                               {"wants_displacement", task.wants_displacement},
-                               {"wants_variation", task.wants_variation},
-                               {"wants_correspondences", task.wants_correspondences},
-                               {"counts_reference_index", task.counts_reference_index},
-                               {"moves_reference", task.moves_reference},
-                               {"frame_center", task.frame_center}};
-  // Names of files need not be UTF-8.
-  return Sha256::Of(text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)).Hex();
+ActionKeys::ActionKeys() : options_text_(ToJson(options_).dump()) {}
+
+std::string ActionKeys::Of(const Task& task) {
+  if (!HaveSameOptions(options_, task)) {
+    options_.icp = task.icp;
+    options_.undersampling = task.undersampling;
+    options_.compare = task.compare;
+    options_.position_bits = task.position_bits;
+    options_.arithmetic = task.arithmetic;
+    // A spec carries the options: whatever is added to them is in its text.
+    options_text_ = ToJson(options_).dump();
+  }
+  KeyText text;
+  text.Add(kResultsVersion)
+      .Add(TaskKindName(task.kind))
+      .Add(task.meshes)
+      .Add(task.targets)
+      .Add(task.reference)
+      .Add(task.alignments)
+      .Add(task.partials)
+      .Add(task.landmarks)
+      .Add(std::string_view(options_text_));
+  for (const bool flag :
+       {task.wants_placed, task.wants_pose, task.wants_displacement, task.wants_variation,
+        task.wants_correspondences, task.counts_reference_index, task.moves_reference}) {
+    text.Add(flag ? 1 : 0);
+  }
+  for (const double coordinate : task.frame_center) {
+    text.Add(std::bit_cast<int64_t>(coordinate));
+  }
+  return text.Hash();
 }
 
 }  // namespace cohort

@@ -12,6 +12,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/base/gmac.h"
 #include "common/base/status_macros.h"
 #include "common/store/file_blob.h"
 #include "common/store/posix_file.h"
@@ -22,8 +23,24 @@ namespace {
 constexpr double kDeadWriterSeconds = 24 * 3600;
 constexpr unsigned int kFileMode = 0444;
 
-/// What stands before the bytes of a file: the SHA-256, in hexadecimal, of its name and the bytes.
+/// What stands before the bytes of a file: their check, repeated, so that they begin at an address
+/// that vectors may be read from.
 constexpr size_t kCheckBytes = 64;
+
+/// Of the name, too: a file under another name is not whole.
+std::string CheckOf(const Digest& name, std::span<const std::string_view> pieces) {
+  Gmac gmac;
+  gmac.Update(name.Hex());
+  for (const std::string_view piece : pieces) {
+    gmac.Update(piece);
+  }
+  const std::string once = gmac.Finish();
+  std::string check;
+  while (check.size() < kCheckBytes) {
+    check += once;
+  }
+  return check;
+}
 
 /// A file's bytes as the memory that the system has them in: a copy would cost as much as the rest.
 class MappedFile {
@@ -72,10 +89,8 @@ class MappedFile {
 /// Whether Keep wrote these under this name.
 bool IsWhole(const Digest& name, std::string_view bytes) {
   const std::string_view check = bytes.substr(0, kCheckBytes);
-  Sha256 hash;
-  hash.Update(name.Hex());
-  hash.Update(bytes.substr(check.size()));
-  return hash.Finish().Hex() == check;
+  const std::string_view kept = bytes.substr(check.size());
+  return CheckOf(name, std::span(&kept, 1)) == check;
 }
 
 }  // namespace
@@ -127,16 +142,11 @@ void SharedFolder::Keep(const Digest& name, std::span<const std::string_view> pi
 }
 
 absl::Status SharedFolder::Write(const Digest& name, std::span<const std::string_view> pieces) {
-  Sha256 hash;
-  hash.Update(name.Hex());
-  for (const std::string_view piece : pieces) {
-    hash.Update(piece);
-  }
   const std::filesystem::path path = BlobPath(files_->Root(), name);
   const std::filesystem::path aside = UniqueIncomingPath(files_->Root());
   COHORT_ASSIGN_OR_RETURN(const FileDescriptor file,
                           OpenFile(aside, O_WRONLY | O_CREAT | O_EXCL, kFileMode));
-  absl::Status written = WriteAll(file, hash.Finish().Hex(), aside);
+  absl::Status written = WriteAll(file, CheckOf(name, pieces), aside);
   for (const std::string_view piece : pieces) {
     written = written.ok() ? WriteAll(file, piece, aside) : written;
   }

@@ -61,7 +61,8 @@ struct Completion {
 };
 
 /// All that the server must not lose, in SQL: a file of SQLite or a database of PostgreSQL. What a
-/// call acknowledged survives a crash (SQLite: WAL, synchronous=FULL). Every error names the
+/// call acknowledged survives a crash and, but for SaveGrants, a power failure (SQLite: WAL,
+/// synchronous=FULL). Every error names the
 /// database and its reason: kResourceExhausted when the disk is full, kDataLoss when it is damaged
 /// (each page has a checksum, verified when it is read), else kUnavailable; after that the next
 /// call connects again. An error of a call that writes means that nothing was written, except that
@@ -130,8 +131,11 @@ class Catalog {
   /// Jobs not in a final state, oldest first: what a restarted server goes on with.
   [[nodiscard]] absl::StatusOr<std::vector<Job>> UnfinishedJobs();
 
-  /// Writes leases or failures of tasks, and the rows of jobs that they change, all or none.
+  /// Writes what became of tasks, and the rows of jobs that they change, all or none.
   [[nodiscard]] absl::Status SaveTasks(std::span<const JobTask> tasks, std::span<const Job> jobs);
+  /// SaveTasks of leases. A crash of the server forgets none, but a power failure may forget those
+  /// after the last call of another kind: such a task is granted again, and no result is lost.
+  [[nodiscard]] absl::Status SaveGrants(std::span<const JobTask> tasks, std::span<const Job> jobs);
   /// Hands out the tasks of a job by number, one at a time: a million of them need no memory.
   /// @param visit  called under the catalog's lock: no calls back; its error ends the walk and is
   ///               returned.

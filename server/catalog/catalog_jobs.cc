@@ -127,11 +127,11 @@ absl::StatusOr<std::optional<Job>> Catalog::FindJobOfRequest(const std::string& 
 }
 
 absl::Status Catalog::UpdateJob(const Job& job) {
-  return database_->Write([&](soci::session& sql) { return UpdateJobRow(sql, job); });
+  return database_->Write([&](CatalogSession& sql) { return UpdateJobRow(sql, job); });
 }
 
 absl::Status Catalog::StartOver(const Job& job) {
-  return database_->Write([&](soci::session& sql) -> absl::Status {
+  return database_->Write([&](CatalogSession& sql) -> absl::Status {
     COHORT_RETURN_IF_ERROR(UpdateJobRow(sql, job));
     COHORT_ASSIGN_OR_RETURN(const int64_t number, NumberOf(job.id));
     sql << "UPDATE job SET plan_version = :plan, results_version = :results WHERE number = :number",
@@ -146,7 +146,7 @@ absl::Status Catalog::StartOver(const Job& job) {
 absl::Status Catalog::FinishJob(const Job& job,
                                 const JobOutputs& outputs,
                                 const std::vector<JobMesh>& meshes) {
-  return database_->Write([&](soci::session& sql) -> absl::Status {
+  return database_->Write([&](CatalogSession& sql) -> absl::Status {
     COHORT_RETURN_IF_ERROR(UpdateJobRow(sql, job));
     COHORT_ASSIGN_OR_RETURN(const int64_t number, NumberOf(job.id));
     const std::string text = OutputsToText(outputs);

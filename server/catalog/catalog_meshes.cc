@@ -146,8 +146,8 @@ absl::StatusOr<std::optional<IngestedMesh>> Catalog::FindIngested(const Digest& 
 absl::Status Catalog::RecordIngested(const Digest& raw,
                                      int position_bits,
                                      const IngestedMesh& mesh) {
-  return database_->Write([&](soci::session& sql) {
-    IngestedWriter(sql).Write(raw, position_bits, mesh);
+  return database_->Write([&](CatalogSession& sql) {
+    sql.Kept<IngestedWriter>().Write(raw, position_bits, mesh);
     return absl::OkStatus();
   });
 }

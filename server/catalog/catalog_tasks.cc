@@ -1,6 +1,7 @@
 // Tasks, what they tell, and what is remembered of them.
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "common/base/status_macros.h"
@@ -37,14 +38,14 @@ class TaskWriter {
                  soci::use(task_.last_error),
                  soci::use(given_up_))) {}
 
-  void Write(int64_t job, const TaskRecord& task) {
+  void Write(int64_t job, const TaskRecord& task, const std::string& result) {
     job_ = job;
     task_.number = task.number;
     task_.epoch = task.epoch;
     task_.failures = task.failures;
     task_.losses = task.losses;
     task_.worker = task.worker;
-    result_ = task.result.has_value() ? ResultToText(*task.result) : std::string();
+    result_ = result;
     task_.last_error = task.last_error;
     given_up_ = task.given_up ? 1 : 0;
     upsert_.execute(true);
@@ -60,9 +61,8 @@ class TaskWriter {
 
 class ActionWriter {
  public:
-  ActionWriter(soci::session& sql, int64_t now_unix_ms)
-      : now_unix_ms_(now_unix_ms),
-        upsert_((sql.prepare << "INSERT INTO action (action_key, result, created_unix_ms) "
+  explicit ActionWriter(soci::session& sql)
+      : upsert_((sql.prepare << "INSERT INTO action (action_key, result, created_unix_ms) "
                                 "VALUES (:action_key, :result, :now) "
                                 "ON CONFLICT (action_key) DO UPDATE SET result = excluded.result, "
                                 "created_unix_ms = excluded.created_unix_ms",
@@ -70,16 +70,17 @@ class ActionWriter {
                  soci::use(result_),
                  soci::use(now_unix_ms_))) {}
 
-  void Write(const std::string& key, const TaskResult& result) {
+  void Write(const std::string& key, const std::string& result, int64_t now_unix_ms) {
     key_ = key;
-    result_ = ResultToText(result);
+    result_ = result;
+    now_unix_ms_ = now_unix_ms;
     upsert_.execute(true);
   }
 
  private:
   std::string key_;
   std::string result_;
-  int64_t now_unix_ms_;
+  int64_t now_unix_ms_ = 0;
   soci::statement upsert_;
 };
 
@@ -156,7 +157,26 @@ absl::Status SelectActions(soci::session& sql,
   return absl::OkStatus();
 }
 
-absl::Status InsertCompletions(soci::session& sql,
+absl::Status UpsertTasks(CatalogSession& sql,
+                         std::span<const JobTask> tasks,
+                         std::span<const Job> jobs) {
+  for (const Job& job : jobs) {
+    COHORT_RETURN_IF_ERROR(UpdateJobRow(sql, job));
+  }
+  auto& writer = sql.Kept<TaskWriter>();
+  std::map<std::string, int64_t> numbers;  // Of the jobs that are there.
+  for (const JobTask& task : tasks) {
+    const auto [number, is_new] = numbers.try_emplace(task.job.value);
+    if (is_new) {
+      COHORT_ASSIGN_OR_RETURN(number->second, RequireJob(sql, task.job));
+    }
+    const std::optional<TaskResult>& result = task.task.result;
+    writer.Write(number->second, task.task, result ? ResultToText(*result) : std::string());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status InsertCompletions(CatalogSession& sql,
                                std::span<const Completion> completions,
                                int64_t now_unix_ms) {
   std::map<std::string, const Job*> jobs;
@@ -166,17 +186,19 @@ absl::Status InsertCompletions(soci::session& sql,
   for (const auto& [id, job] : jobs) {
     COHORT_RETURN_IF_ERROR(UpdateJobRow(sql, *job));
   }
-  TaskWriter tasks(sql);
-  IngestedWriter ingested(sql);
-  ActionWriter actions(sql, now_unix_ms);
+  auto& tasks = sql.Kept<TaskWriter>();
+  auto& ingested = sql.Kept<IngestedWriter>();
+  auto& actions = sql.Kept<ActionWriter>();
   for (const Completion& completion : completions) {
     COHORT_ASSIGN_OR_RETURN(const int64_t job, NumberOf(completion.job.id));
-    tasks.Write(job, completion.task);
+    const std::optional<TaskResult>& result = completion.task.result;
+    const std::string text = result ? ResultToText(*result) : std::string();
+    tasks.Write(job, completion.task, text);
     for (const auto& [raw, mesh] : completion.ingested) {
       ingested.Write(raw, completion.job.spec.position_bits, mesh);
     }
-    if (!completion.action_key.empty() && completion.task.result.has_value()) {
-      actions.Write(completion.action_key, *completion.task.result);
+    if (!completion.action_key.empty() && result) {
+      actions.Write(completion.action_key, text, now_unix_ms);
     }
   }
   return absl::OkStatus();
@@ -185,21 +207,12 @@ absl::Status InsertCompletions(soci::session& sql,
 }  // namespace
 
 absl::Status Catalog::SaveTasks(std::span<const JobTask> tasks, std::span<const Job> jobs) {
-  return database_->Write([&](soci::session& sql) -> absl::Status {
-    for (const Job& job : jobs) {
-      COHORT_RETURN_IF_ERROR(UpdateJobRow(sql, job));
-    }
-    TaskWriter writer(sql);
-    std::map<std::string, int64_t> numbers;  // Of the jobs that are there.
-    for (const JobTask& task : tasks) {
-      const auto [number, is_new] = numbers.try_emplace(task.job.value);
-      if (is_new) {
-        COHORT_ASSIGN_OR_RETURN(number->second, RequireJob(sql, task.job));
-      }
-      writer.Write(number->second, task.task);
-    }
-    return absl::OkStatus();
-  });
+  return database_->Write([&](CatalogSession& sql) { return UpsertTasks(sql, tasks, jobs); });
+}
+
+absl::Status Catalog::SaveGrants(std::span<const JobTask> tasks, std::span<const Job> jobs) {
+  return database_->Write([&](CatalogSession& sql) { return UpsertTasks(sql, tasks, jobs); },
+                          CommitSync::kLater);
 }
 
 absl::Status Catalog::VisitTasks(const JobId& job,
@@ -213,7 +226,7 @@ absl::Status Catalog::VisitTasks(const JobId& job,
 absl::Status Catalog::SaveCompletions(std::span<const Completion> completions,
                                       int64_t now_unix_ms) {
   return database_->Write(
-      [&](soci::session& sql) { return InsertCompletions(sql, completions, now_unix_ms); });
+      [&](CatalogSession& sql) { return InsertCompletions(sql, completions, now_unix_ms); });
 }
 
 absl::StatusOr<std::map<std::string, TaskResult>> Catalog::FindActions(

@@ -36,15 +36,18 @@ absl::Status Database::Read(const Body& body) {
   COHORT_RETURN_IF_ERROR(Connect());
   absl::Status status =
       Catch([&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return body(session_); });
+  if (!status.ok()) {
+    session_.Forget();
+  }
   DropIfLost();
   return status;
 }
 
-absl::Status Database::Write(const Body& body) {
+absl::Status Database::Write(const Body& body, CommitSync sync) {
   MutexLock lock(mutex_);
   const auto start = std::chrono::steady_clock::now();
   COHORT_RETURN_IF_ERROR(Connect());
-  absl::Status status = Transact(body);
+  absl::Status status = Transact(body, sync);
   write_timer_.Add(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   DropIfLost();
   return status;
@@ -58,7 +61,7 @@ absl::Status Database::Connect() {
   absl::Status status = Catch(open);
   is_open_ = status.ok();
   if (!is_open_) {
-    session_.close();
+    CloseSession();
   }
   return status;
 }
@@ -80,20 +83,21 @@ absl::Status Database::Migrate() {
   const std::span<const Migration> migrations = SchemaMigrations();
   const int64_t version = backend_->Version(session_);
   for (size_t next = static_cast<size_t>(version); next < migrations.size(); ++next) {
-    COHORT_RETURN_IF_ERROR(Transact([&](soci::session& sql) {
+    const auto migrate = [&](soci::session& sql) {
       for (const std::string_view statement : migrations[next]) {
         sql << backend_->Ddl(statement);
       }
       backend_->SetVersion(sql, static_cast<int64_t>(next) + 1);
       return absl::OkStatus();
-    }));
+    };
+    COHORT_RETURN_IF_ERROR(Transact(migrate, CommitSync::kNow));
   }
   return absl::OkStatus();
 }
 
-absl::Status Database::Transact(const Body& body) {
+absl::Status Database::Transact(const Body& body, CommitSync sync) {
   absl::Status status = Catch([&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) -> absl::Status {
-    session_ << backend_->BeginWrite();
+    backend_->BeginWrite(session_, sync);
     COHORT_RETURN_IF_ERROR(body(session_));
     session_.commit();
     return absl::OkStatus();
@@ -105,13 +109,19 @@ absl::Status Database::Transact(const Body& body) {
       session_.rollback();
       return absl::OkStatus();
     }).IgnoreError();
+    session_.Forget();
   }
   return status;
 }
 
+void Database::CloseSession() {
+  session_.Forget();
+  session_.close();
+}
+
 void Database::DropIfLost() {
   if (backend_->IsLost(session_)) {
-    session_.close();
+    CloseSession();
     is_open_ = false;
   }
 }

@@ -10,6 +10,13 @@
 
 namespace cohort {
 
+/// When what a transaction wrote is on the disk. The end of the server's process loses nothing that
+/// is committed, in either case.
+enum class CommitSync : uint8_t {
+  kNow,    ///< Before the call returns.
+  kLater,  ///< With the next kNow; till then a power failure may undo it.
+};
+
 /// What is different from one database to another; everything else is SQL that all understand.
 /// Only for Database: but for ToStatus, throws what SOCI throws. Not thread-safe.
 class DatabaseBackend {
@@ -32,8 +39,8 @@ class DatabaseBackend {
 
   /// A statement of the schema in this database's words.
   [[nodiscard]] virtual std::string Ddl(std::string_view statement) const = 0;
-  /// The statement that begins a transaction which will write.
-  [[nodiscard]] virtual const char* BeginWrite() const = 0;
+  /// Begins a transaction that will write.
+  virtual void BeginWrite(soci::session& session, CommitSync sync) = 0;
   /// "<name>: <reason>" with the code that the error asks for, as Catalog promises.
   [[nodiscard]] virtual absl::Status ToStatus(const soci::soci_error& error) const = 0;
   /// Whether the session is broken and must be opened again.

@@ -7,8 +7,8 @@
 
 namespace cohort {
 
-/// Writes rows of the table ingested, over what is there: ingest is pure. Only for bodies of
-/// Database: throws what SOCI throws. Not thread-safe.
+/// Writes rows of the table ingested, over what is there: ingest is pure. One that a session keeps.
+/// Only for bodies of Database: throws what SOCI throws. Not thread-safe.
 class IngestedWriter {
  public:
   explicit IngestedWriter(soci::session& sql);

@@ -35,6 +35,44 @@ absl::StatusOr<Job> ToJob(JobRow row) {
   return std::move(row.job);
 }
 
+class JobUpdater {
+ public:
+  explicit JobUpdater(soci::session& sql)
+      : update_((sql.prepare << "UPDATE job SET state = :state, error = :error, "
+                                "version = :version, started_unix_ms = :started, "
+                                "finished_unix_ms = :finished, rejected_meshes = :rejected, "
+                                "progress = :progress, counters = :counters "
+                                "WHERE number = :number",
+                 soci::use(row_.state),
+                 soci::use(row_.job.error),
+                 soci::use(row_.job.version),
+                 soci::use(row_.job.started_unix_ms),
+                 soci::use(row_.job.finished_unix_ms),
+                 soci::use(row_.job.rejected_meshes),
+                 soci::use(row_.progress),
+                 soci::use(row_.counters),
+                 soci::use(row_.number))) {}
+
+  /// @return whether there is such a job.
+  [[nodiscard]] bool Update(int64_t number, const Job& job) {
+    row_.number = number;
+    row_.state = JobStateName(job.state);
+    row_.progress = ProgressToText(job.progress);
+    row_.counters = CountersToText(job.counters);
+    row_.job.error = job.error;
+    row_.job.version = job.version;
+    row_.job.started_unix_ms = job.started_unix_ms;
+    row_.job.finished_unix_ms = job.finished_unix_ms;
+    row_.job.rejected_meshes = job.rejected_meshes;
+    update_.execute(true);
+    return update_.get_affected_rows() == 1;
+  }
+
+ private:
+  JobRow row_;  ///< Only what is written.
+  soci::statement update_;
+};
+
 }  // namespace
 
 JobId JobIdOf(int64_t number) {
@@ -133,21 +171,10 @@ absl::Status InsertJob(soci::session& sql,
   return absl::OkStatus();
 }
 
-absl::Status UpdateJobRow(soci::session& sql, const Job& job) {
+absl::Status UpdateJobRow(CatalogSession& sql, const Job& job) {
   COHORT_ASSIGN_OR_RETURN(const int64_t number, NumberOf(job.id));
-  const std::string state(JobStateName(job.state));
-  const std::string progress = ProgressToText(job.progress);
-  const std::string counters = CountersToText(job.counters);
-  soci::statement update =
-      (sql.prepare << "UPDATE job SET state = :state, error = :error, version = :version, "
-                      "started_unix_ms = :started, finished_unix_ms = :finished, "
-                      "rejected_meshes = :rejected, progress = :progress, counters = :counters "
-                      "WHERE number = :number",
-       soci::use(state), soci::use(job.error), soci::use(job.version),
-       soci::use(job.started_unix_ms), soci::use(job.finished_unix_ms),
-       soci::use(job.rejected_meshes), soci::use(progress), soci::use(counters), soci::use(number));
-  update.execute(true);
-  return update.get_affected_rows() == 1 ? absl::OkStatus() : NoSuchJob(job.id);
+  const bool is_there = sql.Kept<JobUpdater>().Update(number, job);
+  return is_there ? absl::OkStatus() : NoSuchJob(job.id);
 }
 
 absl::StatusOr<int64_t> RequireJob(soci::session& sql, const JobId& id) {

@@ -9,7 +9,7 @@
 #include <absl/status/statusor.h>
 
 #include "common/jobs/job_state.h"
-#include "server/catalog/soci_session.h"
+#include "server/catalog/catalog_session.h"
 
 namespace cohort {
 
@@ -34,7 +34,7 @@ namespace cohort {
                                      const std::string& request_id,
                                      const JobOutputs& outputs);
 /// What Catalog::UpdateJob writes. @return kNotFound naming the job.
-[[nodiscard]] absl::Status UpdateJobRow(soci::session& sql, const Job& job);
+[[nodiscard]] absl::Status UpdateJobRow(CatalogSession& sql, const Job& job);
 /// The number of a job that is there. @return kNotFound naming the job.
 [[nodiscard]] absl::StatusOr<int64_t> RequireJob(soci::session& sql, const JobId& id);
 

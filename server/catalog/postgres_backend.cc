@@ -216,6 +216,13 @@ void PostgresBackend::SetVersion(soci::session& session, int64_t version) {
   SetMetaValue(session, "version", std::to_string(version));
 }
 
+void PostgresBackend::BeginWrite(soci::session& session, CommitSync sync) {
+  session << "BEGIN";
+  if (sync == CommitSync::kLater) {
+    session << "SET LOCAL synchronous_commit = off";
+  }
+}
+
 std::string PostgresBackend::Ddl(std::string_view statement) const {
   // Texts compare bytewise, whatever the locale of the database.
   return absl::StrReplaceAll(std::string(statement), {{" TEXT ", " TEXT COLLATE \"C\" "}});

@@ -33,7 +33,7 @@ class PostgresBackend : public DatabaseBackend {
   [[nodiscard]] absl::Status Configure(soci::session& session) override;
   void SetVersion(soci::session& session, int64_t version) override;
   [[nodiscard]] std::string Ddl(std::string_view statement) const override;
-  [[nodiscard]] const char* BeginWrite() const override { return "BEGIN"; }
+  void BeginWrite(soci::session& session, CommitSync sync) override;
   [[nodiscard]] absl::Status ToStatus(const soci::soci_error& error) const override;
   [[nodiscard]] bool IsLost(soci::session& session) const override;
 

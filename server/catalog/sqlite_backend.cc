@@ -103,11 +103,25 @@ absl::Status SqliteBackend::Configure(soci::session& session) {
     return absl::UnavailableError(file_ + ": cannot keep a write-ahead log here (mode " + mode +
                                   ")");
   }
-  session << "PRAGMA synchronous = FULL";
+  SetSync(session, CommitSync::kNow);
   session << "PRAGMA foreign_keys = ON";
   session << "PRAGMA busy_timeout = 5000";
   session << "PRAGMA journal_size_limit = 67108864";
   return absl::OkStatus();
+}
+
+void SqliteBackend::SetSync(soci::session& session, CommitSync sync) {
+  // A sync of the log is one of everything written to it before.
+  session << (sync == CommitSync::kNow ? "PRAGMA synchronous = FULL"
+                                       : "PRAGMA synchronous = NORMAL");
+  sync_ = sync;
+}
+
+void SqliteBackend::BeginWrite(soci::session& session, CommitSync sync) {
+  if (sync != sync_) {
+    SetSync(session, sync);
+  }
+  session << "BEGIN IMMEDIATE";
 }
 
 absl::Status SqliteBackend::AddChecksums(soci::session& session) const {

@@ -32,13 +32,14 @@ class SqliteBackend : public DatabaseBackend {
   [[nodiscard]] absl::Status Configure(soci::session& session) override;
   void SetVersion(soci::session& session, int64_t version) override;
   [[nodiscard]] std::string Ddl(std::string_view statement) const override;
-  [[nodiscard]] const char* BeginWrite() const override { return "BEGIN IMMEDIATE"; }
+  void BeginWrite(soci::session& session, CommitSync sync) override;
   [[nodiscard]] absl::Status ToStatus(const soci::soci_error& error) const override;
   [[nodiscard]] bool IsLost(soci::session& /*session*/) const override { return false; }
 
  private:
   SqliteBackend(std::string file, FileLock lock) : lock_(std::move(lock)), file_(std::move(file)) {}
   void Connect(soci::session& session) const;
+  void SetSync(soci::session& session, CommitSync sync);
   /// Refuses what is damaged or not ours.
   [[nodiscard]] absl::Status CheckFile(soci::session& session) const;
   /// Rewrites a catalog of a build that did not know checksums.
@@ -46,6 +47,7 @@ class SqliteBackend : public DatabaseBackend {
 
   FileLock lock_;
   std::string file_;
+  CommitSync sync_ = CommitSync::kNow;  ///< As the session has it.
 };
 
 }  // namespace cohort

@@ -333,6 +333,7 @@ class Coordinator {
   std::map<WorkerId, MonotonicTime> last_seen_ ABSL_GUARDED_BY(mutex_);
   EventTotals totals_ ABSL_GUARDED_BY(mutex_);
   TaskRates rates_ ABSL_GUARDED_BY(mutex_);
+  ActionKeys action_keys_ ABSL_GUARDED_BY(mutex_);
   /// Since when tasks have been ready and none was handed out; nothing: none is ready.
   std::optional<MonotonicTime> ready_since_ ABSL_GUARDED_BY(mutex_);
   CallTimer synchronize_timer_;

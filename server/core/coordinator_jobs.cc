@@ -8,7 +8,6 @@
 
 #include "common/base/error_reason.h"
 #include "common/base/status_macros.h"
-#include "common/jobs/action_key.h"
 #include "server/core/coordinator.h"
 
 namespace cohort {
@@ -133,7 +132,7 @@ absl::StatusOr<std::map<int64_t, TaskResult>> Coordinator::FindKnown(
       }
       continue;
     }
-    keys.push_back(ActionKey(task));
+    keys.push_back(action_keys_.Of(task));
     number_of[keys.back()] = task.number;
   }
   COHORT_ASSIGN_OR_RETURN(

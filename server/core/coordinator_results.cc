@@ -10,7 +10,6 @@
 
 #include "common/base/error_reason.h"
 #include "common/base/status_macros.h"
-#include "common/jobs/action_key.h"
 #include "common/store/blob_damage.h"
 #include "server/core/coordinator.h"
 
@@ -97,8 +96,10 @@ void Coordinator::TakeCompletions() {
   for (QueuedCompletion* queued : batch) {
     queued->outcome = false;
     const ActiveJob* open = FindOpen(queued->lease.task);
-    const bool is_ours =
-        open != nullptr && (!open->is_started_over || scheduler_.IsCurrent(queued->lease));
+    // Of a job that was started over only the holder's result counts: a lease of the earlier plan
+    // that a power failure made the catalog forget may have the same epoch.
+    const bool is_ours = open != nullptr && (!open->is_started_over ||
+                                             scheduler_.HolderOf(queued->lease) == queued->worker);
     if (!is_ours || !seen.insert(queued->lease.task).second) {
       ++totals_.tasks_superseded;
       spdlog::info("event=result_superseded job={} task={} epoch={} worker={}",
@@ -151,7 +152,7 @@ absl::StatusOr<Completion> Coordinator::CompletionOf(const QueuedCompletion& que
   completion.task.worker = queued.worker.value;
   const Task task = active.plan->MakeTask(number);
   if (task.kind != TaskKind::kIngest) {
-    completion.action_key = ActionKey(task);
+    completion.action_key = action_keys_.Of(task);
   }
   for (const IngestedMesh& mesh : queued.result.ingested) {
     const auto input = std::find_if(task.meshes.begin(), task.meshes.end(),

@@ -113,7 +113,7 @@ void Coordinator::AnswerReports() {
     for (const JobId& id : write.jobs) {
       jobs.push_back(active_.at(id).job);
     }
-    saved = catalog_.SaveTasks(write.tasks, jobs);
+    saved = catalog_.SaveGrants(write.tasks, jobs);
   }
   if (!saved.ok()) {
     for (QueuedReport* queued : batch) {

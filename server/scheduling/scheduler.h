@@ -119,6 +119,8 @@ class Scheduler {
   [[nodiscard]] std::optional<MonotonicTime> GrantedAt(const Lease& lease) const;
   /// True if the task is ready, waits or is out.
   [[nodiscard]] bool IsOpen(const TaskId& task) const;
+  /// Who has this lease; nobody if it is not out.
+  [[nodiscard]] std::optional<WorkerId> HolderOf(const Lease& lease) const;
   /// True if this very lease is out.
   [[nodiscard]] bool IsCurrent(const Lease& lease) const { return GrantedAt(lease).has_value(); }
   /// Tasks that wait for a worker or for the end of their back-off.
@@ -167,6 +169,7 @@ class Scheduler {
   [[nodiscard]] const Entry* Find(const TaskId& task) const;
   /// The copy that a lease stands for; null if it is stale.
   [[nodiscard]] Copy* FindCopy(const Lease& lease);
+  [[nodiscard]] const Copy* FindCopy(const Lease& lease) const;
   /// The only place that changes a state: keeps the counts and indexes true. A task that becomes
   /// ready without attempts needs no entry.
   void MoveTo(const TaskId& task, Entry::State state, MonotonicTime until = {});

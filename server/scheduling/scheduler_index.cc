@@ -52,17 +52,14 @@ std::optional<Lease> Scheduler::LeaseOf(const TaskId& task) const {
   return Lease{task, entry->copies.back().epoch};
 }
 
+std::optional<WorkerId> Scheduler::HolderOf(const Lease& lease) const {
+  const Copy* copy = FindCopy(lease);
+  return copy == nullptr ? std::nullopt : std::optional(copy->worker);
+}
+
 std::optional<MonotonicTime> Scheduler::GrantedAt(const Lease& lease) const {
-  const Entry* entry = Find(lease.task);
-  if (entry == nullptr) {
-    return std::nullopt;
-  }
-  for (const Copy& copy : entry->copies) {
-    if (copy.epoch == lease.epoch) {
-      return copy.granted;
-    }
-  }
-  return std::nullopt;
+  const Copy* copy = FindCopy(lease);
+  return copy == nullptr ? std::nullopt : std::optional(copy->granted);
 }
 
 bool Scheduler::IsOpen(const TaskId& task) const {
@@ -115,7 +112,11 @@ const Scheduler::Entry* Scheduler::Find(const TaskId& task) const {
 }
 
 Scheduler::Copy* Scheduler::FindCopy(const Lease& lease) {
-  Entry* entry = Find(lease.task);
+  return const_cast<Copy*>(std::as_const(*this).FindCopy(lease));
+}
+
+const Scheduler::Copy* Scheduler::FindCopy(const Lease& lease) const {
+  const Entry* entry = Find(lease.task);
   if (entry == nullptr) {
     return nullptr;
   }

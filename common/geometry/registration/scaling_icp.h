@@ -44,6 +44,7 @@ struct IcpOptions {
   BoundaryPairs boundary_pairs = BoundaryPairs::kKeep;
   Correspondence correspondence = Correspondence::kVertex;
   [[nodiscard]] absl::Status Validate() const;
+  friend bool operator==(const IcpOptions&, const IcpOptions&) = default;
 };
 
 /// Similarity and how well it converged.

@@ -24,6 +24,7 @@ struct UndersamplingOptions {
   double radius = 0;   ///< kDisk: mesh units, > 0.
   uint64_t seed = 1;   ///< kRandom.
   [[nodiscard]] absl::Status Validate() const;
+  friend bool operator==(const UndersamplingOptions&, const UndersamplingOptions&) = default;
 };
 
 /// Which vertices of a mesh take part in ICP, ascending.

@@ -9,17 +9,17 @@
 namespace cohort {
 namespace {
 
-TEST(ActionKey, DoesNotDependOnWhereInTheJobTheTaskIs) {
+TEST(ActionKeys, DoNotDependOnWhereInTheJobTheTaskIs) {
   Task task;
-  const std::string key = ActionKey(task);
+  const std::string key = ActionKeys().Of(task);
   EXPECT_EQ(key.size(), 64U);
   task.number = 7;
   task.stage = "compare";
   task.cost = 3;
-  EXPECT_EQ(ActionKey(task), key);
+  EXPECT_EQ(ActionKeys().Of(task), key);
 }
 
-TEST(ActionKey, ChangesWithEverythingThatTheResultDependsOn) {
+TEST(ActionKeys, ChangeWithEverythingThatTheResultDependsOn) {
   const Digest a = Sha256::Of("a");
   const Digest b = Sha256::Of("b");
   const TaskMesh mesh{.index = 1, .name = "a", .blob = a};
@@ -67,15 +67,40 @@ TEST(ActionKey, ChangesWithEverythingThatTheResultDependsOn) {
   for (const auto& change : changes) {
     Task task;
     change(task);
-    keys.insert(ActionKey(task));
+    keys.insert(ActionKeys().Of(task));
   }
   EXPECT_EQ(keys.size(), changes.size());
 }
 
-TEST(ActionKey, TakesNamesThatAreNotUtf8) {
+TEST(ActionKeys, DoNotDependOnTheTaskBefore) {
+  Task plain;
+  Task other;
+  other.icp.tolerance *= 2;
+  Task third;
+  third.compare.retention = Retention::kSketch;
+  ActionKeys keys;
+  for (const Task& task : {plain, other, third, other, other, plain, third}) {
+    EXPECT_EQ(keys.Of(task), ActionKeys().Of(task));
+  }
+}
+
+TEST(ActionKeys, TellWhereANameEnds) {
+  Task task;
+  task.meshes = {{.index = 1, .name = "a", .blob = {}}, {.index = 2, .name = "b", .blob = {}}};
+  Task joined;
+  joined.meshes = {{.index = 1, .name = "a0:2;1:b", .blob = {}}};
+  Task moved;
+  moved.meshes = {task.meshes[0]};
+  moved.targets = {task.meshes[1]};
+  const std::set<std::string> keys = {ActionKeys().Of(task), ActionKeys().Of(joined),
+                                      ActionKeys().Of(moved)};
+  EXPECT_EQ(keys.size(), 3U);
+}
+
+TEST(ActionKeys, TakeNamesThatAreNotUtf8) {
   Task task;
   task.meshes = {{.index = 0, .name = "\xff\xfe", .blob = {}}};
-  EXPECT_EQ(ActionKey(task).size(), 64U);
+  EXPECT_EQ(ActionKeys().Of(task).size(), 64U);
 }
 
 }  // namespace

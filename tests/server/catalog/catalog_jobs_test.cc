@@ -307,6 +307,37 @@ TEST_P(CatalogJobsTest, HandsOutMoreTasksThanAPageInTheirOrder) {
   }
 }
 
+TEST_P(CatalogJobsTest, KeepsGrantsAndTheRowsOfTheirJobs) {
+  Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
+  Advance(job);
+  const JobTask granted{.job = job.id, .task = SomeTask(3)};
+
+  ASSERT_THAT(catalog_->SaveGrants({{granted}}, {{job}}), IsOk());
+
+  Reopen();
+  ExpectEqual(catalog_->GetJob(job.id).value(), job);
+  const std::vector<TaskRecord> tasks = testing::LoadTasks(*catalog_, job.id).value();
+  ASSERT_EQ(tasks.size(), 1u);
+  ExpectEqual(tasks[0], granted.task);
+  const JobTask lost{.job = JobId{"j-000099"}, .task = SomeTask(3)};
+  EXPECT_TRUE(absl::IsNotFound(catalog_->SaveGrants({{granted, lost}}, {})));
+}
+
+TEST_P(CatalogJobsTest, WritesOnAfterACallThatFailed) {
+  const Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
+  Completion completion{.job = job, .task = SomeTask(1), .ingested = {}, .action_key = "k"};
+  completion.task.result = SomeResult();
+  Job none = job;
+  none.id = JobId{"j-000099"};
+  const Completion lost{.job = none, .task = SomeTask(1), .ingested = {}, .action_key = "l"};
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(absl::IsNotFound(catalog_->SaveCompletions({{completion, lost}}, 1)));
+    EXPECT_EQ(testing::LoadTasks(*catalog_, job.id)->size(), i == 0 ? 0u : 1u);
+    EXPECT_THAT(catalog_->SaveCompletions({{completion}}, 1), IsOk());
+    EXPECT_EQ(testing::LoadTasks(*catalog_, job.id)->size(), 1u);
+  }
+}
+
 TEST_P(CatalogJobsTest, StartingOverForgetsAllOfTheTasksButTheirEpochs) {
   Job job = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();
   const Job other = catalog_->CreateJob(SomeJob("s"), {}, "", 1).value();

@@ -10,8 +10,9 @@ namespace cohort::testing {
 class DiskFaults {
  public:
   enum class Which { kOne, kAllFrom };
+  static constexpr int kNone = -1;
 
-  /// @param number  of the operation that fails, from 0.
+  /// @param number  of the operation that fails, from 0; kNone: they are only counted.
   /// @param error_number  EIO, ENOSPC, ...
   DiskFaults(int number, Which which, int error_number);
   ~DiskFaults();
@@ -20,6 +21,8 @@ class DiskFaults {
 
   /// How many operations failed so far.
   [[nodiscard]] int Failed() const;
+  /// How many syncs there were so far, good or not.
+  [[nodiscard]] int Syncs() const;
 };
 
 }  // namespace cohort::testing

@@ -27,6 +27,7 @@ struct Plan {
   int error_number = 0;
   int operations = 0;
   int failed = 0;
+  int syncs = 0;
 };
 thread_local Plan plan;
 
@@ -58,6 +59,9 @@ DiskFaults::~DiskFaults() {
 int DiskFaults::Failed() const {
   return plan.failed;
 }
+int DiskFaults::Syncs() const {
+  return plan.syncs;
+}
 
 }  // namespace testing
 }  // namespace cohort
@@ -66,9 +70,11 @@ int DiskFaults::Failed() const {
 // NOLINTBEGIN(readability-inconsistent-declaration-parameter-name)
 extern "C" {
 int fdatasync(int fd) {
+  ++cohort::plan.syncs;
   return cohort::Fails() ? -1 : static_cast<int>(syscall(SYS_fdatasync, fd));
 }
 int fsync(int fd) {
+  ++cohort::plan.syncs;
   return cohort::Fails() ? -1 : static_cast<int>(syscall(SYS_fsync, fd));
 }
 ssize_t pwrite64(int fd, const void* bytes, size_t size, off64_t offset) {
@@ -109,6 +115,8 @@ absl::Status Work(Catalog& catalog, const std::string& prefix, Acknowledged& don
     const absl::StatusOr<Job> job = catalog.CreateJob(SomeJob("s"), {SomeMesh("a")}, name, 1);
     COHORT_RETURN_IF_ERROR(job.status());
     done.jobs.push_back(job->id);
+    const JobTask granted{.job = job->id, .task = SomeTask(1)};
+    COHORT_RETURN_IF_ERROR(catalog.SaveGrants({{granted}}, {}));
     Completion completion{.job = *job, .task = SomeTask(1), .ingested = {}, .action_key = name};
     completion.task.result = TaskResult();
     COHORT_RETURN_IF_ERROR(catalog.SaveCompletions({{completion}}, 1));
@@ -218,6 +226,24 @@ TEST_P(DiskFaultsTest, LoseNothingOfAnOlderCatalogWhicheverOperationFails) {
   }
   EXPECT_FALSE(HasFailure()) << "operation " << number;
   EXPECT_GT(number, 20);
+}
+
+TEST(DiskSyncs, GrantsAreOnDiskWithTheNextResult) {
+  const ScratchFolder folder;
+  const auto catalog = Catalog::Open(folder.Path() / "catalog.db").value();
+  const Job job = catalog->CreateJob(SomeJob("s"), {SomeMesh("a")}, "", 1).value();
+  const JobTask granted{.job = job.id, .task = SomeTask(1)};
+  Completion completion{.job = job, .task = SomeTask(1), .ingested = {}, .action_key = "k"};
+  completion.task.result = TaskResult();
+  for (int i = 0; i < 3; ++i) {
+    const DiskFaults counted(DiskFaults::kNone, DiskFaults::Which::kOne, 0);
+    EXPECT_THAT(catalog->SaveGrants({{granted}}, {}), IsOk());
+    EXPECT_EQ(counted.Syncs(), 0);
+    EXPECT_THAT(catalog->SaveCompletions({{completion}}, 1), IsOk());
+    EXPECT_EQ(counted.Syncs(), 1);
+    EXPECT_THAT(catalog->SaveTasks({{granted}}, {}), IsOk());
+    EXPECT_EQ(counted.Syncs(), 2);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(
