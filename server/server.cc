@@ -12,7 +12,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/base/status_macros.h"
-#include "common/base/version.h"
+#include "common/jobs/worker_build.h"
 #include "common/rpc/channel.h"
 #include "server/metrics/server_metrics.h"
 #include "server/services/admin_service.h"
@@ -137,7 +137,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerOptions& optio
   COHORT_RETURN_IF_ERROR(server->store_->SweepIncoming(kOldUploadSeconds));
   CoordinatorOptions core;
   core.scheduler.lease_seconds = options.lease_seconds;
-  core.build = std::string(BuildVersion());
+  core.build = WorkerBuild();
   core.garbage = {.age_seconds = options.gc_age_hours * 3600,
                   .remember_seconds = options.gc_remember_days * 24 * 3600};
   core.reserve = {.bytes = static_cast<int64_t>(options.min_free_gb * 1e9),

@@ -22,6 +22,7 @@
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
 #include "common/geometry/nearest/instruction_set.h"
+#include "common/jobs/worker_build.h"
 #include "common/metrics/metrics_endpoint.h"
 #include "common/rpc/channel.h"
 #include "common/rpc/rpc_blob_store.h"
@@ -161,7 +162,7 @@ absl::Status RunWorker(const WorkerOptions& options) {
   GrpcCoordinatorLink link(channel, address);
   WorkerLoopOptions loop_options;
   loop_options.worker = WorkerId{options.name.empty() ? MakeWorkerName() : options.name};
-  loop_options.build = std::string(BuildVersion());
+  loop_options.build = WorkerBuild();
   const int processors = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   loop_options.slots = options.threads > 0 ? options.threads : processors;
   loop_options.instruction_set = InstructionSetName(instruction_set);

@@ -12,7 +12,7 @@ namespace cohort {
 /// What a worker says when it calls.
 struct WorkerReport {
   WorkerId worker;
-  std::string build;  ///< BuildVersion(); the server refuses another than its own.
+  std::string build;  ///< WorkerBuild(); the server refuses another than its own.
   std::vector<HeldTask> held;
   int free_slots = 0;
   int spare_slots = 0;      ///< Tasks it would hold ready besides, so as never to wait for one.

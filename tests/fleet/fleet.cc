@@ -26,7 +26,7 @@
 #include "client/session.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
-#include "common/base/version.h"
+#include "common/jobs/worker_build.h"
 #include "common/rpc/channel.h"
 #include "worker/grpc_coordinator_link.h"
 
@@ -99,7 +99,7 @@ class Fleet {
     for (size_t i = 0; i < workers_.size(); ++i) {
       workers_[i].link = links_[i % links_.size()].get();
       workers_[i].report.worker = WorkerId{absl::StrCat("simulated-", i)};
-      workers_[i].report.build = std::string(BuildVersion());
+      workers_[i].report.build = WorkerBuild();
       workers_[i].report.slots = 1;
       At(random_.Uniform(0, 1), i);
     }
