@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <absl/status/statusor.h>
 
 #include "common/jobs/worker_protocol.h"
@@ -11,9 +13,13 @@ class CoordinatorLink {
  public:
   virtual ~CoordinatorLink() = default;
   [[nodiscard]] virtual absl::StatusOr<WorkerOrders> Synchronize(const WorkerReport& report) = 0;
-  [[nodiscard]] virtual absl::Status CompleteTask(const WorkerId& worker,
-                                                  const Lease& lease,
-                                                  const TaskResult& result) = 0;
+  /// @param report the next report, made as if the task were over; none: only says the result
+  /// @return what Synchronize would answer to `report`, without waiting; none: call it to hear
+  [[nodiscard]] virtual absl::StatusOr<std::optional<WorkerOrders>> CompleteTask(
+      const WorkerId& worker,
+      const Lease& lease,
+      const TaskResult& result,
+      const std::optional<WorkerReport>& report) = 0;
   [[nodiscard]] virtual absl::Status ReleaseTask(const WorkerId& worker, const Lease& lease) = 0;
   [[nodiscard]] virtual absl::Status FailTask(const WorkerId& worker,
                                               const Lease& lease,

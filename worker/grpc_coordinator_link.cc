@@ -11,6 +11,20 @@
 namespace cohort {
 namespace {
 
+void ReportToProto(const WorkerReport& report, v1::SynchronizeRequest& wire) {
+  wire.set_worker(report.worker.value);
+  wire.set_build(report.build);
+  for (const HeldTask& task : report.held) {
+    *wire.add_held() = ToProto(task);
+  }
+  wire.set_free_slots(report.free_slots);
+  wire.set_spare_slots(report.spare_slots);
+  wire.set_slots(report.slots);
+  wire.set_instruction_set(report.instruction_set);
+  wire.set_draining(report.draining);
+  wire.set_wait_ms(static_cast<int>(report.wait_seconds * 1000));
+}
+
 absl::StatusOr<WorkerOrders> OrdersFromProto(const v1::SynchronizeResponse& wire) {
   WorkerOrders orders;
   for (const auto& grant : wire.grants()) {
@@ -34,17 +48,7 @@ GrpcCoordinatorLink::GrpcCoordinatorLink(const std::shared_ptr<grpc::Channel>& c
 
 absl::StatusOr<WorkerOrders> GrpcCoordinatorLink::Synchronize(const WorkerReport& report) {
   v1::SynchronizeRequest request;
-  request.set_worker(report.worker.value);
-  request.set_build(report.build);
-  for (const HeldTask& task : report.held) {
-    *request.add_held() = ToProto(task);
-  }
-  request.set_free_slots(report.free_slots);
-  request.set_spare_slots(report.spare_slots);
-  request.set_slots(report.slots);
-  request.set_instruction_set(report.instruction_set);
-  request.set_draining(report.draining);
-  request.set_wait_ms(static_cast<int>(report.wait_seconds * 1000));
+  ReportToProto(report, request);
   grpc::ClientContext context;
   SetDeadline(context, kUnaryDeadlineSeconds + report.wait_seconds);
   {
@@ -64,17 +68,30 @@ absl::StatusOr<WorkerOrders> GrpcCoordinatorLink::Synchronize(const WorkerReport
   return OrdersFromProto(response);
 }
 
-absl::Status GrpcCoordinatorLink::CompleteTask(const WorkerId& worker,
-                                               const Lease& lease,
-                                               const TaskResult& result) {
+absl::StatusOr<std::optional<WorkerOrders>> GrpcCoordinatorLink::CompleteTask(
+    const WorkerId& worker,
+    const Lease& lease,
+    const TaskResult& result,
+    const std::optional<WorkerReport>& report) {
   v1::CompleteTaskRequest request;
   request.set_worker(worker.value);
   *request.mutable_lease() = ToProto(lease);
   *request.mutable_result() = ToProto(result);
+  if (report) {
+    ReportToProto(*report, *request.mutable_report());
+  }
   v1::CompleteTaskResponse response;
   grpc::ClientContext context;
   SetDeadline(context, kUnaryDeadlineSeconds);
-  return FromGrpcStatus(stub_->CompleteTask(&context, request, &response), peer_);
+  COHORT_RETURN_IF_ERROR(FromGrpcStatus(stub_->CompleteTask(&context, request, &response), peer_));
+  std::optional<WorkerOrders> orders;
+  if (response.has_orders()) {
+    absl::StatusOr<WorkerOrders> read = OrdersFromProto(response.orders());
+    if (read.ok()) {  // The result is taken in any case; Synchronize tells what is wrong.
+      orders = *std::move(read);
+    }
+  }
+  return orders;
 }
 
 absl::Status GrpcCoordinatorLink::ReleaseTask(const WorkerId& worker, const Lease& lease) {

@@ -18,9 +18,11 @@ class GrpcCoordinatorLink final : public CoordinatorLink {
   GrpcCoordinatorLink(const std::shared_ptr<grpc::Channel>& channel, std::string peer);
 
   [[nodiscard]] absl::StatusOr<WorkerOrders> Synchronize(const WorkerReport& report) override;
-  [[nodiscard]] absl::Status CompleteTask(const WorkerId& worker,
-                                          const Lease& lease,
-                                          const TaskResult& result) override;
+  [[nodiscard]] absl::StatusOr<std::optional<WorkerOrders>> CompleteTask(
+      const WorkerId& worker,
+      const Lease& lease,
+      const TaskResult& result,
+      const std::optional<WorkerReport>& report) override;
   [[nodiscard]] absl::Status ReleaseTask(const WorkerId& worker, const Lease& lease) override;
   [[nodiscard]] absl::Status FailTask(const WorkerId& worker,
                                       const Lease& lease,

@@ -40,51 +40,67 @@ WorkerLoop::~WorkerLoop() {
 }
 
 absl::Status WorkerLoop::Run(const std::stop_token& stop) {
+  {
+    const MutexLock lock(mutex_);
+    takes_tasks_ = true;
+  }
   const std::stop_callback wake(stop, [this] {
     link_.CancelSynchronize();
-    slot_freed_.NotifyAll();
+    StopTakingTasks();
   });
   RetryPause retry;
   while (!stop.stop_requested()) {
-    absl::Status status = SynchronizeOnce(stop);
-    double pause_seconds = next_sync_seconds_;
+    absl::Status status = SynchronizeOnce();
     if (stop.stop_requested()) {
       break;
     }
+    if (status.code() == absl::StatusCode::kFailedPrecondition ||
+        status.code() == absl::StatusCode::kAborted) {
+      StopTakingTasks();
+      return status;
+    }
+    MutexLock lock(mutex_);
+    is_out_of_reach_ = !status.ok();
     if (status.ok()) {
       retry.Reset();
-    } else if (status.code() == absl::StatusCode::kFailedPrecondition ||
-               status.code() == absl::StatusCode::kAborted) {
-      return status;
     } else {
-      pause_seconds = retry.Next(lease_seconds_);
+      const double pause_seconds = retry.Next(lease_seconds_);
+      next_sync_ = In(pause_seconds);
       spdlog::warn("event=sync_failed worker={} retry_seconds={} error=\"{}\"",
                    options_.worker.value, pause_seconds, std::string(status.message()));
     }
-    MutexLock lock(mutex_);
     Reap();
-    const auto deadline = In(pause_seconds);
-    // The server says when to call again; sooner when there is news, if it can be reached.
-    while (!stop.stop_requested() && (!status.ok() || !has_news_) &&
-           slot_freed_.WaitUntil(mutex_, deadline)) {
+    while (!stop.stop_requested() && !IsCallDue()) {
+      slot_freed_.WaitUntil(mutex_, next_sync_);
       Reap();
     }
   }
   return absl::OkStatus();
 }
 
-WorkerReport WorkerLoop::MakeReport() {
+void WorkerLoop::StopTakingTasks() {
+  const MutexLock lock(mutex_);
+  takes_tasks_ = false;
+  slot_freed_.NotifyAll();
+}
+
+bool WorkerLoop::IsCallDue() const {
+  // The server says when to call again; sooner when there is news, if it can be reached.
+  return steady_clock::now() >= next_sync_ || (has_news_ && !is_asking_ && !is_out_of_reach_);
+}
+
+WorkerLoop::NumberedReport WorkerLoop::MakeReport(const Lease* over) {
   WorkerReport report;
   report.worker = options_.worker;
   report.build = options_.build;
   report.slots = options_.slots;
   report.instruction_set = options_.instruction_set;
   int written = 0;
-  {
-    MutexLock lock(mutex_);
-    Reap();
-    has_news_ = false;
-    for (const auto& [lease, running] : running_) {
+  Reap();
+  has_news_ = false;
+  is_asking_ = true;
+  for (const auto& [lease, running] : running_) {
+    if (over == nullptr || lease != *over) {
       report.held.push_back({.lease = lease, .ticks = *running.ticks});
       written += running.computed ? 1 : 0;
     }
@@ -96,17 +112,38 @@ WorkerReport WorkerLoop::MakeReport() {
   report.spare_slots =
       std::max(0, options_.slots + options_.spare_slots - held - report.free_slots);
   report.wait_seconds = report.held.empty() ? kIdleWaitSeconds : kBusyWaitSeconds;
-  return report;
+  return {.report = std::move(report), .number = ++reports_made_};
 }
 
-absl::Status WorkerLoop::SynchronizeOnce(const std::stop_token& stop) {
-  COHORT_ASSIGN_OR_RETURN(const WorkerOrders orders, link_.Synchronize(MakeReport()));
-  next_sync_seconds_ = std::max(kShortestPauseSeconds, orders.next_sync_seconds);
-  lease_seconds_ = orders.lease_seconds;
-  if (orders.is_wedged) {
+absl::Status WorkerLoop::SynchronizeOnce() {
+  NumberedReport said;
+  {
+    const MutexLock lock(mutex_);
+    said = MakeReport(nullptr);
+  }
+  const absl::StatusOr<WorkerOrders> orders = link_.Synchronize(said.report);
+  if (!orders.ok()) {
+    const MutexLock lock(mutex_);
+    is_asking_ = false;
+    return orders.status();
+  }
+  if (orders->is_wedged) {
     return absl::AbortedError("a task goes on after the server has told it to stop");
   }
-  MutexLock lock(mutex_);
+  Release(Follow(*orders, said.number));
+  return absl::OkStatus();
+}
+
+std::vector<Lease> WorkerLoop::Follow(const WorkerOrders& orders, int64_t number) {
+  const MutexLock lock(mutex_);
+  is_asking_ = false;
+  if (number != reports_made_) {
+    has_news_ = true;
+    return {};
+  }
+  is_out_of_reach_ = false;
+  next_sync_ = In(std::max(kShortestPauseSeconds, orders.next_sync_seconds));
+  lease_seconds_ = orders.lease_seconds;
   for (const Lease& lease : orders.lost) {
     const auto found = running_.find(lease);
     if (found != running_.end()) {
@@ -115,12 +152,26 @@ absl::Status WorkerLoop::SynchronizeOnce(const std::stop_token& stop) {
       found->second.stop.request_stop();
     }
   }
-  if (!stop.stop_requested()) {
-    for (const GrantedTask& granted : orders.grants) {
+  std::vector<Lease> refused;
+  for (const GrantedTask& granted : orders.grants) {
+    if (takes_tasks_) {
       Start(granted);
+    } else if (!running_.contains(granted.lease)) {
+      refused.push_back(granted.lease);
     }
   }
-  return absl::OkStatus();
+  return refused;
+}
+
+void WorkerLoop::Release(const std::vector<Lease>& leases) {
+  for (const Lease& lease : leases) {
+    const absl::Status said = link_.ReleaseTask(options_.worker, lease);
+    if (!said.ok()) {  // It runs out by itself.
+      spdlog::warn("event=report_failed worker={} job={} task={} epoch={} error=\"{}\"",
+                   options_.worker.value, lease.task.job.value, lease.task.number, lease.epoch,
+                   std::string(said.message()));
+    }
+  }
 }
 
 void WorkerLoop::Start(const GrantedTask& granted) {
@@ -159,7 +210,7 @@ void WorkerLoop::Report(const Lease& lease,
   while (true) {
     absl::Status said;
     if (result.ok()) {
-      said = link_.CompleteTask(options_.worker, lease, *result);
+      said = Complete(lease, *result);
     } else if (result.status().code() == absl::StatusCode::kCancelled) {
       said = link_.ReleaseTask(options_.worker, lease);
     } else {
@@ -190,6 +241,33 @@ void WorkerLoop::Report(const Lease& lease,
     MutexLock lock(mutex_);
     slot_freed_.WaitUntil(mutex_, In(retry.Next(lease_seconds_)));
   }
+}
+
+absl::Status WorkerLoop::Complete(const Lease& lease, const TaskResult& result) {
+  std::optional<NumberedReport> next;
+  {
+    const MutexLock lock(mutex_);
+    if (takes_tasks_ && !is_asking_) {
+      next = MakeReport(&lease);
+    }
+  }
+  const absl::StatusOr<std::optional<WorkerOrders>> orders = link_.CompleteTask(
+      options_.worker, lease, result, next ? std::optional(next->report) : std::nullopt);
+  if (!next) {
+    return orders.status();
+  }
+  if (!orders.ok() || !orders->has_value() || (*orders)->is_wedged) {
+    const MutexLock lock(mutex_);
+    is_asking_ = false;
+    has_news_ = true;
+    return orders.status();
+  }
+  Release(Follow(**orders, next->number));
+  const MutexLock lock(mutex_);
+  running_.at(lease).is_told = true;
+  // Whoever has a slot free asks again, waiting this time.
+  has_news_ = has_news_ || ((*orders)->grants.empty() && (*orders)->next_sync_seconds == 0);
+  return absl::OkStatus();
 }
 
 void WorkerLoop::NoteComputed(const Lease& lease) {
@@ -235,8 +313,8 @@ void WorkerLoop::Reap() {
   for (auto it = running_.begin(); it != running_.end();) {
     if (it->second.finished) {
       it->second.thread.join();  // Only leaves its last lock; does not block.
+      has_news_ = has_news_ || !it->second.is_told;
       it = running_.erase(it);
-      has_news_ = true;
     } else {
       ++it;
     }

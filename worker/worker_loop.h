@@ -1,8 +1,10 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -39,7 +41,8 @@ struct WorkerFigures {
 
 /// Asks for tasks, runs each on a thread of its own, reports what came out. While tasks run it
 /// keeps calling the server, so that their leases live. Holds a task more than it can compute, so
-/// that no processor waits while a result is on its way.
+/// that no processor waits while a result is on its way. A result that is sent while no other call
+/// is under way takes the next report with it and brings the next task back.
 class WorkerLoop {
  public:
   WorkerLoop(const WorkerLoopOptions& options, CoordinatorLink& link, TaskRunner& runner);
@@ -64,21 +67,39 @@ class WorkerLoop {
         std::make_shared<std::atomic<int64_t>>(HeldTask::kNotBegun);
     std::thread thread;
     bool computed = false;  ///< Only writes and reports now.
+    bool is_told = false;   ///< The server's last orders take its end into account.
     bool finished = false;
   };
+  /// What the server is told, and its place among all that it was told.
+  struct NumberedReport {
+    WorkerReport report;
+    int64_t number = 0;
+  };
 
-  /// What it holds and could take.
-  [[nodiscard]] WorkerReport MakeReport();
-  absl::Status SynchronizeOnce(const std::stop_token& stop);
+  /// What it holds and could take. `over`: a task that will have ended when this is read.
+  [[nodiscard]] NumberedReport MakeReport(const Lease* over) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status SynchronizeOnce();
+  void StopTakingTasks() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Does what the server answered to report `number`. Orders that a later report has overtaken are
+  /// dropped: the server repeats what that one did not list.
+  /// @return the tasks that it no longer takes, for the caller to release
+  [[nodiscard]] std::vector<Lease> Follow(const WorkerOrders& orders, int64_t number)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  void Release(const std::vector<Lease>& leases);
   void Start(const GrantedTask& granted) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void RunSlot(const GrantedTask& granted,
                const std::stop_token& stop,
                std::atomic<int64_t>& ticks);
   void Report(const Lease& lease, absl::StatusOr<TaskResult> result, const std::stop_token& stop);
+  /// Says the result, and hears what is next if no other call asks for that.
+  absl::Status Complete(const Lease& lease, const TaskResult& result);
   /// The task has given its slot back.
   void NoteComputed(const Lease& lease) ABSL_LOCKS_EXCLUDED(mutex_);
   /// The server has heard of the task's end.
   void NoteEnded(const Lease& lease, const absl::StatusOr<TaskResult>& result);
+  /// The loop has reason to call the server: the time has come, or there is news and nobody has
+  /// just asked.
+  [[nodiscard]] bool IsCallDue() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Joins threads whose task is over.
   void Reap() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Drain();
@@ -92,8 +113,12 @@ class WorkerLoop {
   WorkerFigures figures_ ABSL_GUARDED_BY(mutex_);  ///< Its totals.
   /// A task has ended, or a slot has nothing to compute, since the last report.
   bool has_news_ ABSL_GUARDED_BY(mutex_) = false;
+  bool takes_tasks_ ABSL_GUARDED_BY(mutex_) = false;      ///< Run is neither stopped nor over.
+  bool is_asking_ ABSL_GUARDED_BY(mutex_) = false;        ///< A report has not been answered yet.
+  bool is_out_of_reach_ ABSL_GUARDED_BY(mutex_) = false;  ///< The last Synchronize failed.
+  int64_t reports_made_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::chrono::steady_clock::time_point next_sync_ ABSL_GUARDED_BY(mutex_);
   std::atomic<double> lease_seconds_ = 60;  ///< As the server last said.
-  double next_sync_seconds_ = 1;            ///< Used by Run only.
 };
 
 }  // namespace cohort

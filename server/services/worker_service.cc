@@ -11,43 +11,51 @@ namespace {
 
 constexpr double kMaxWaitSeconds = 20;
 
+WorkerReport ReportFromProto(const v1::SynchronizeRequest& wire) {
+  WorkerReport report;
+  report.worker = WorkerId{wire.worker()};
+  report.build = wire.build();
+  for (const v1::HeldTask& held : wire.held()) {
+    report.held.push_back(FromProto(held));
+  }
+  report.free_slots = wire.free_slots();
+  report.spare_slots = wire.spare_slots();
+  report.slots = wire.slots();
+  report.instruction_set = wire.instruction_set();
+  report.draining = wire.draining();
+  report.wait_seconds = std::clamp(wire.wait_ms() / 1000.0, 0.0, kMaxWaitSeconds);
+  return report;
+}
+
+void OrdersToProto(const WorkerOrders& orders, v1::SynchronizeResponse& wire) {
+  for (const GrantedTask& granted : orders.grants) {
+    auto* grant = wire.add_grants();
+    *grant->mutable_lease() = ToProto(granted.lease);
+    *grant->mutable_task() = ToProto(granted.task);
+  }
+  for (const Lease& lease : orders.lost) {
+    *wire.add_lost() = ToProto(lease);
+  }
+  wire.set_next_sync_ms(static_cast<int>(orders.next_sync_seconds * 1000));
+  wire.set_is_wedged(orders.is_wedged);
+  wire.set_lease_ms(static_cast<int>(orders.lease_seconds * 1000));
+}
+
 }  // namespace
 
 grpc::Status WorkerServiceSkin::Synchronize(grpc::ServerContext* context,
                                             const v1::SynchronizeRequest* request,
                                             v1::SynchronizeResponse* response) {
-  WorkerReport report;
-  report.worker = WorkerId{request->worker()};
-  report.build = request->build();
-  for (const v1::HeldTask& held : request->held()) {
-    report.held.push_back(FromProto(held));
-  }
-  report.free_slots = request->free_slots();
-  report.spare_slots = request->spare_slots();
-  report.slots = request->slots();
-  report.instruction_set = request->instruction_set();
-  report.draining = request->draining();
-  report.wait_seconds = std::clamp(request->wait_ms() / 1000.0, 0.0, kMaxWaitSeconds);
-  const absl::StatusOr<WorkerOrders> orders =
-      coordinator_.Synchronize(report, [context] { return context->IsCancelled(); });
+  const absl::StatusOr<WorkerOrders> orders = coordinator_.Synchronize(
+      ReportFromProto(*request), [context] { return context->IsCancelled(); });
   if (!orders.ok()) {
     return ToGrpcStatus(orders.status());
   }
-  for (const GrantedTask& granted : orders->grants) {
-    auto* grant = response->add_grants();
-    *grant->mutable_lease() = ToProto(granted.lease);
-    *grant->mutable_task() = ToProto(granted.task);
-  }
-  for (const Lease& lease : orders->lost) {
-    *response->add_lost() = ToProto(lease);
-  }
-  response->set_next_sync_ms(static_cast<int>(orders->next_sync_seconds * 1000));
-  response->set_is_wedged(orders->is_wedged);
-  response->set_lease_ms(static_cast<int>(orders->lease_seconds * 1000));
+  OrdersToProto(*orders, *response);
   return grpc::Status::OK;
 }
 
-grpc::Status WorkerServiceSkin::CompleteTask(grpc::ServerContext* /*context*/,
+grpc::Status WorkerServiceSkin::CompleteTask(grpc::ServerContext* context,
                                              const v1::CompleteTaskRequest* request,
                                              v1::CompleteTaskResponse* response) {
   const absl::StatusOr<TaskResult> result = FromProto(request->result());
@@ -60,6 +68,15 @@ grpc::Status WorkerServiceSkin::CompleteTask(grpc::ServerContext* /*context*/,
     return ToGrpcStatus(taken.status());
   }
   response->set_superseded(!*taken);
+  if (request->has_report()) {
+    WorkerReport report = ReportFromProto(request->report());
+    report.wait_seconds = 0;
+    const absl::StatusOr<WorkerOrders> orders =
+        coordinator_.Synchronize(report, [context] { return context->IsCancelled(); });
+    if (orders.ok()) {  // The result is taken in any case; Synchronize tells the worker why not.
+      OrdersToProto(*orders, *response->mutable_orders());
+    }
+  }
   return grpc::Status::OK;
 }
 

@@ -14,6 +14,8 @@
 
 #include "cohort/v1/errors.pb.h"
 #include "cohort/v1/job_service.grpc.pb.h"
+#include "cohort/v1/worker_service.grpc.pb.h"
+#include "common/jobs/worker_build.h"
 #include "common/rpc/channel.h"
 #include "tests/testing/status_matchers.h"
 
@@ -125,6 +127,39 @@ TEST_F(ServerTest, WatchingAnUnknownJobEndsAtOnce) {
   v1::WatchJobResponse message;
   EXPECT_FALSE(reader->Read(&message));
   EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_F(ServerTest, AnswersTheReportThatComesWithAResult) {
+  const auto server = Server::Start(options_);
+  ASSERT_THAT(server, IsOk());
+  const auto stub = v1::WorkerService::NewStub(OpenChannel((*server)->Addresses()[0]));
+  v1::CompleteTaskRequest request;
+  request.set_worker("w");
+  request.mutable_lease()->set_job("j-000404");  // Of a job that was deleted meanwhile.
+  request.mutable_lease()->set_epoch(1);
+  v1::SynchronizeRequest& report = *request.mutable_report();
+  report.set_worker("w");
+  report.set_slots(1);
+  report.set_free_slots(1);
+  report.set_wait_ms(60'000);
+  *report.add_held()->mutable_lease() = request.lease();
+  const auto complete = [&] {
+    grpc::ClientContext context;
+    SetDeadline(context, 10);  // It does not wait for tasks.
+    v1::CompleteTaskResponse response;
+    const grpc::Status status = stub->CompleteTask(&context, request, &response);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    EXPECT_TRUE(response.superseded());
+    return response;
+  };
+  report.set_build("0.0.1 (results 1)");
+  EXPECT_FALSE(complete().has_orders()) << "the result is heard, the worker is not one of ours";
+  report.set_build(WorkerBuild());
+  const v1::CompleteTaskResponse response = complete();
+  ASSERT_TRUE(response.has_orders());
+  ASSERT_EQ(response.orders().lost_size(), 1);
+  EXPECT_EQ(response.orders().lost(0).job(), "j-000404");
+  EXPECT_GT(response.orders().lease_ms(), 0);
 }
 
 TEST_F(ServerTest, RefusesOptionsByName) {

@@ -1,8 +1,10 @@
 #include "worker/worker_loop.h"
 
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <map>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -26,32 +28,23 @@ class FakeLink final : public CoordinatorLink {
  public:
   absl::StatusOr<WorkerOrders> Synchronize(const WorkerReport& report) override {
     MutexLock lock(mutex_);
+    ++synchronizes_;
     if (cancelled_) {
       return absl::CancelledError("stopping");
     }
     if (!refusal_.ok()) {
       return refusal_;
     }
-    WorkerOrders orders;
-    orders.next_sync_seconds = 0.01;
-    orders.lease_seconds = 60;
-    const int wanted = report.free_slots + report.spare_slots;
-    for (int i = 0; i < wanted && !tasks_.empty(); ++i) {
-      const Task task = tasks_.front();
-      tasks_.pop_front();
-      GrantedTask granted;
-      granted.lease.task = {.job = JobId{"j"}, .number = task.number};
-      granted.lease.epoch = 1;
-      granted.task = task;
-      orders.grants.push_back(granted);
-    }
-    max_held_ = std::max(max_held_, report.held.size() + orders.grants.size());
-    granted_ += orders.grants.size();
-    changed_.NotifyAll();
-    return orders;
+    return Answer(report);
   }
-  absl::Status CompleteTask(const WorkerId&, const Lease& lease, const TaskResult&) override {
+  absl::StatusOr<std::optional<WorkerOrders>> CompleteTask(
+      const WorkerId&,
+      const Lease& lease,
+      const TaskResult&,
+      const std::optional<WorkerReport>& report) override {
     MutexLock lock(mutex_);
+    ++sending_;
+    changed_.NotifyAll();
     while (is_slow_) {
       changed_.Wait(mutex_);
     }
@@ -60,17 +53,21 @@ class FakeLink final : public CoordinatorLink {
       return absl::UnavailableError("the network is down");
     }
     completed_.push_back(lease.task.number);
+    leased_.erase(lease.task.number);
+    carried_ += report ? 1 : 0;
     changed_.NotifyAll();
-    return absl::OkStatus();
+    return report ? std::optional(Answer(*report)) : std::nullopt;
   }
   absl::Status ReleaseTask(const WorkerId&, const Lease& lease) override {
     MutexLock lock(mutex_);
     released_.push_back(lease.task.number);
+    leased_.erase(lease.task.number);
     return absl::OkStatus();
   }
   absl::Status FailTask(const WorkerId&, const Lease& lease, const absl::Status& why) override {
     MutexLock lock(mutex_);
     failed_[lease.task.number] = why;
+    leased_.erase(lease.task.number);
     changed_.NotifyAll();
     return absl::OkStatus();
   }
@@ -86,15 +83,52 @@ class FakeLink final : public CoordinatorLink {
     }
   }
 
+  /// Repeats grants that the worker does not know of; gives as many more as it asks for.
+  WorkerOrders Answer(const WorkerReport& report) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    WorkerOrders orders;
+    orders.next_sync_seconds = next_sync_seconds_;
+    orders.lease_seconds = 60;
+    const auto grant = [&orders](const Task& task) {
+      GrantedTask granted;
+      granted.lease.task = {.job = JobId{"j"}, .number = task.number};
+      granted.lease.epoch = 1;
+      granted.task = task;
+      orders.grants.push_back(granted);
+    };
+    for (const auto& [number, task] : leased_) {
+      const bool is_held = std::any_of(
+          report.held.begin(), report.held.end(),
+          [number = number](const HeldTask& held) { return held.lease.task.number == number; });
+      if (!is_held) {
+        grant(task);
+      }
+    }
+    const int wanted = report.free_slots + report.spare_slots;
+    while (std::ssize(orders.grants) < wanted && !tasks_.empty()) {
+      grant(tasks_.front());
+      leased_[tasks_.front().number] = tasks_.front();
+      tasks_.pop_front();
+      ++granted_;
+    }
+    max_held_ = std::max(max_held_, report.held.size() + orders.grants.size());
+    changed_.NotifyAll();
+    return orders;
+  }
+
   Mutex mutex_;
   CondVar changed_;
   std::deque<Task> tasks_ ABSL_GUARDED_BY(mutex_);
+  std::map<int64_t, Task> leased_ ABSL_GUARDED_BY(mutex_);
   std::vector<int64_t> completed_ ABSL_GUARDED_BY(mutex_);
   std::vector<int64_t> released_ ABSL_GUARDED_BY(mutex_);
   std::map<int64_t, absl::Status> failed_ ABSL_GUARDED_BY(mutex_);
   absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
   size_t max_held_ ABSL_GUARDED_BY(mutex_) = 0;
   size_t granted_ ABSL_GUARDED_BY(mutex_) = 0;
+  int synchronizes_ ABSL_GUARDED_BY(mutex_) = 0;
+  int sending_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Calls that brought a result.
+  int carried_ ABSL_GUARDED_BY(mutex_) = 0;  ///< Those that brought a report too.
+  double next_sync_seconds_ ABSL_GUARDED_BY(mutex_) = 0.01;
   bool is_slow_ ABSL_GUARDED_BY(mutex_) = false;  ///< Results are not taken for now.
   int failures_to_make_ ABSL_GUARDED_BY(mutex_) = 0;
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
@@ -177,6 +211,71 @@ TEST_F(WorkerLoopTest, AsksForTheNextTaskWhileAResultIsOnItsWayButNotForever) {
   Stop();
   MutexLock lock(link_.mutex_);
   EXPECT_THAT(link_.completed_, ::testing::UnorderedElementsAre(0, 1, 2, 3));
+}
+
+TEST_F(WorkerLoopTest, GetsTheNextTaskWithTheAnswerToAResult) {
+  {
+    MutexLock lock(link_.mutex_);
+    link_.tasks_ = IngestTasks(store_, 16);
+    link_.next_sync_seconds_ = 60;
+    ASSERT_EQ(link_.tasks_.size(), 16U);
+  }
+  Start(1);
+  link_.WaitForReports(16);
+  Stop();
+  MutexLock lock(link_.mutex_);
+  EXPECT_GE(link_.carried_, 4) << "a call of its own for nearly every task";
+}
+
+TEST_F(WorkerLoopTest, DropsOrdersThatALaterReportHasOvertaken) {
+  {
+    MutexLock lock(link_.mutex_);
+    link_.tasks_ = IngestTasks(store_, 6);
+    link_.is_slow_ = true;
+  }
+  Start(1);
+  {
+    MutexLock lock(link_.mutex_);
+    while (link_.sending_ == 0) {
+      link_.changed_.Wait(link_.mutex_);
+    }
+    const int before = link_.synchronizes_;
+    while (link_.synchronizes_ < before + 3) {  // Its time comes while the result is on its way.
+      link_.changed_.Wait(link_.mutex_);
+    }
+    link_.is_slow_ = false;
+    link_.changed_.NotifyAll();
+  }
+  link_.WaitForReports(6);
+  Stop();
+  MutexLock lock(link_.mutex_);
+  EXPECT_THAT(link_.completed_, ::testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5));
+}
+
+TEST_F(WorkerLoopTest, GivesBackWhatItIsGivenAfterItsStop) {
+  {
+    MutexLock lock(link_.mutex_);
+    link_.tasks_ = IngestTasks(store_, 6);
+    link_.is_slow_ = true;
+    link_.next_sync_seconds_ = 60;
+  }
+  Start(1);
+  {
+    MutexLock lock(link_.mutex_);
+    while (link_.sending_ < 1) {
+      link_.changed_.Wait(link_.mutex_);
+    }
+  }
+  stop_.request_stop();
+  {
+    MutexLock lock(link_.mutex_);
+    link_.is_slow_ = false;
+    link_.changed_.NotifyAll();
+  }
+  thread_.join();
+  MutexLock lock(link_.mutex_);
+  EXPECT_EQ(link_.completed_.size() + link_.released_.size(), link_.granted_)
+      << "a task that nobody knows of waits for the end of its lease";
 }
 
 TEST_F(WorkerLoopTest, SaysAResultAgainUntilTheServerHasIt) {
