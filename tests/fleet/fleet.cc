@@ -6,7 +6,9 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -24,6 +26,7 @@
 
 #include "client/child_process.h"
 #include "client/session.h"
+#include "common/base/process.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 #include "common/jobs/worker_build.h"
@@ -335,6 +338,28 @@ absl::StatusOr<Job> SubmitJob(Session& session, const Options& options, const Di
   return session.CreateJob("fleet", spec, "");
 }
 
+/// While it lives, a signal to end this program ends the server with it.
+class EndsWithUs {
+ public:
+  explicit EndsWithUs(int server)
+      : thread_([this, server] {
+          if (WaitForStopSignal(&is_over_, 0) != 0) {
+            ::kill(server, SIGKILL);
+            std::_Exit(1);
+          }
+        }) {}
+  ~EndsWithUs() {
+    is_over_ = true;
+    thread_.join();
+  }
+  EndsWithUs(const EndsWithUs&) = delete;
+  EndsWithUs& operator=(const EndsWithUs&) = delete;
+
+ private:
+  std::atomic<bool> is_over_ = false;
+  std::thread thread_;
+};
+
 absl::Status Run(const Options& options) {
   const std::string socket = options.folder + "/server.sock";
   COHORT_ASSIGN_OR_RETURN(ChildProcess server,
@@ -342,6 +367,7 @@ absl::Status Run(const Options& options) {
                                               {"--data", options.folder + "/data", "--listen",
                                                "unix:" + socket, "--log-level", "warn"},
                                               options.folder + "/server.log"));
+  const EndsWithUs end(server.Pid());
   const std::string address = "unix:" + socket;
   COHORT_ASSIGN_OR_RETURN(const std::unique_ptr<Session> session, Session::Open(address));
   COHORT_RETURN_IF_ERROR(session->WaitUntilReady(30));
@@ -440,6 +466,7 @@ int Main(int argc, char** argv) {
 }  // namespace cohort
 
 int main(int argc, char** argv) {
+  cohort::BlockStopSignals();
   try {
     return cohort::Main(argc, argv);
   } catch (const std::exception& error) {
