@@ -86,10 +86,7 @@ absl::StatusOr<std::optional<WorkerOrders>> GrpcCoordinatorLink::CompleteTask(
   COHORT_RETURN_IF_ERROR(FromGrpcStatus(stub_->CompleteTask(&context, request, &response), peer_));
   std::optional<WorkerOrders> orders;
   if (response.has_orders()) {
-    absl::StatusOr<WorkerOrders> read = OrdersFromProto(response.orders());
-    if (read.ok()) {  // The result is taken in any case; Synchronize tells what is wrong.
-      orders = *std::move(read);
-    }
+    COHORT_ASSIGN_OR_RETURN(orders, OrdersFromProto(response.orders()));
   }
   return orders;
 }

@@ -89,7 +89,7 @@ bool WorkerLoop::IsCallDue() const {
   return steady_clock::now() >= next_sync_ || (has_news_ && !is_asking_ && !is_out_of_reach_);
 }
 
-WorkerLoop::NumberedReport WorkerLoop::MakeReport(const Lease* over) {
+WorkerReport WorkerLoop::MakeReport(const Lease* over) {
   WorkerReport report;
   report.worker = options_.worker;
   report.build = options_.build;
@@ -112,16 +112,16 @@ WorkerLoop::NumberedReport WorkerLoop::MakeReport(const Lease* over) {
   report.spare_slots =
       std::max(0, options_.slots + options_.spare_slots - held - report.free_slots);
   report.wait_seconds = report.held.empty() ? kIdleWaitSeconds : kBusyWaitSeconds;
-  return {.report = std::move(report), .number = ++reports_made_};
+  return report;
 }
 
 absl::Status WorkerLoop::SynchronizeOnce() {
-  NumberedReport said;
+  WorkerReport report;
   {
     const MutexLock lock(mutex_);
-    said = MakeReport(nullptr);
+    report = MakeReport(nullptr);
   }
-  const absl::StatusOr<WorkerOrders> orders = link_.Synchronize(said.report);
+  const absl::StatusOr<WorkerOrders> orders = link_.Synchronize(report);
   if (!orders.ok()) {
     const MutexLock lock(mutex_);
     is_asking_ = false;
@@ -130,17 +130,13 @@ absl::Status WorkerLoop::SynchronizeOnce() {
   if (orders->is_wedged) {
     return absl::AbortedError("a task goes on after the server has told it to stop");
   }
-  Release(Follow(*orders, said.number));
+  Release(Follow(*orders));
   return absl::OkStatus();
 }
 
-std::vector<Lease> WorkerLoop::Follow(const WorkerOrders& orders, int64_t number) {
+std::vector<Lease> WorkerLoop::Follow(const WorkerOrders& orders) {
   const MutexLock lock(mutex_);
   is_asking_ = false;
-  if (number != reports_made_) {
-    has_news_ = true;
-    return {};
-  }
   is_out_of_reach_ = false;
   next_sync_ = In(std::max(kShortestPauseSeconds, orders.next_sync_seconds));
   lease_seconds_ = orders.lease_seconds;
@@ -177,7 +173,7 @@ void WorkerLoop::Release(const std::vector<Lease>& leases) {
 void WorkerLoop::Start(const GrantedTask& granted) {
   Running& running = running_[granted.lease];
   if (running.thread.joinable()) {
-    return;  // The server repeats a grant whose answer was lost.
+    return;  // It was told twice.
   }
   spdlog::debug("event=task_started worker={} job={} task={} stage=\"{}\" epoch={}",
                 options_.worker.value, granted.lease.task.job.value, granted.task.number,
@@ -244,15 +240,15 @@ void WorkerLoop::Report(const Lease& lease,
 }
 
 absl::Status WorkerLoop::Complete(const Lease& lease, const TaskResult& result) {
-  std::optional<NumberedReport> next;
+  std::optional<WorkerReport> next;
   {
     const MutexLock lock(mutex_);
     if (takes_tasks_ && !is_asking_) {
       next = MakeReport(&lease);
     }
   }
-  const absl::StatusOr<std::optional<WorkerOrders>> orders = link_.CompleteTask(
-      options_.worker, lease, result, next ? std::optional(next->report) : std::nullopt);
+  const absl::StatusOr<std::optional<WorkerOrders>> orders =
+      link_.CompleteTask(options_.worker, lease, result, next);
   if (!next) {
     return orders.status();
   }
@@ -262,7 +258,7 @@ absl::Status WorkerLoop::Complete(const Lease& lease, const TaskResult& result) 
     has_news_ = true;
     return orders.status();
   }
-  Release(Follow(**orders, next->number));
+  Release(Follow(**orders));
   const MutexLock lock(mutex_);
   running_.at(lease).is_told = true;
   // Whoever has a slot free asks again, waiting this time.

@@ -70,21 +70,15 @@ class WorkerLoop {
     bool is_told = false;   ///< The server's last orders take its end into account.
     bool finished = false;
   };
-  /// What the server is told, and its place among all that it was told.
-  struct NumberedReport {
-    WorkerReport report;
-    int64_t number = 0;
-  };
 
   /// What it holds and could take. `over`: a task that will have ended when this is read.
-  [[nodiscard]] NumberedReport MakeReport(const Lease* over) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  [[nodiscard]] WorkerReport MakeReport(const Lease* over) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status SynchronizeOnce();
   void StopTakingTasks() ABSL_LOCKS_EXCLUDED(mutex_);
-  /// Does what the server answered to report `number`. Orders that a later report has overtaken are
-  /// dropped: the server repeats what that one did not list.
+  /// Does what the server answered. Also what it said to another report than the last one: nobody
+  /// else hears of a grant, and a lease once lost stays lost.
   /// @return the tasks that it no longer takes, for the caller to release
-  [[nodiscard]] std::vector<Lease> Follow(const WorkerOrders& orders, int64_t number)
-      ABSL_LOCKS_EXCLUDED(mutex_);
+  [[nodiscard]] std::vector<Lease> Follow(const WorkerOrders& orders) ABSL_LOCKS_EXCLUDED(mutex_);
   void Release(const std::vector<Lease>& leases);
   void Start(const GrantedTask& granted) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void RunSlot(const GrantedTask& granted,
@@ -116,7 +110,6 @@ class WorkerLoop {
   bool takes_tasks_ ABSL_GUARDED_BY(mutex_) = false;      ///< Run is neither stopped nor over.
   bool is_asking_ ABSL_GUARDED_BY(mutex_) = false;        ///< A report has not been answered yet.
   bool is_out_of_reach_ ABSL_GUARDED_BY(mutex_) = false;  ///< The last Synchronize failed.
-  int64_t reports_made_ ABSL_GUARDED_BY(mutex_) = 0;
   std::chrono::steady_clock::time_point next_sync_ ABSL_GUARDED_BY(mutex_);
   std::atomic<double> lease_seconds_ = 60;  ///< As the server last said.
 };

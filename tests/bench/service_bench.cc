@@ -87,27 +87,26 @@ absl::StatusOr<ServiceRun> RunService(const Bench& bench,
   return ServiceRun{job[pairs].get<double>(), job[seconds].get<double>(), job[whole].get<double>()};
 }
 
-/// Wall seconds of the same pairs by the bare kernel: search, metrics and sketch, on two threads.
-double RunKernel(std::span<const BenchMesh> meshes) {
+/// Wall seconds of the same pairs by the bare kernel: search, metrics and sketch.
+double RunKernel(std::span<const BenchMesh> meshes, int thread_count) {
   const auto start = std::chrono::steady_clock::now();
   std::atomic<size_t> next = 0;
   const auto work = [&] {
     PacketSearch search;
     NearestSlots nearest;
     DistanceScratch scratch;
-    for (size_t row = next++; row < meshes.size(); row = next++) {
-      for (const BenchMesh& target : meshes) {
-        search.Find(meshes[row].packed, target.packed, nearest);
-        benchmark::DoNotOptimize(
-            MeasureSquaredDistances({nearest.squared_distances.data(),
-                                     static_cast<size_t>(meshes[row].packed.VertexCount())},
-                                    scratch));
-      }
+    const size_t pairs = meshes.size() * meshes.size();
+    for (size_t pair = next++; pair < pairs; pair = next++) {
+      const BenchMesh& source = meshes[pair / meshes.size()];
+      search.Find(source.packed, meshes[pair % meshes.size()].packed, nearest);
+      benchmark::DoNotOptimize(MeasureSquaredDistances(
+          {nearest.squared_distances.data(), static_cast<size_t>(source.packed.VertexCount())},
+          scratch));
     }
   };
   std::vector<std::thread> threads;
-  threads.reserve(kThreads);
-  for (int i = 0; i < kThreads; ++i) {
+  threads.reserve(static_cast<size_t>(thread_count));
+  for (int i = 0; i < thread_count; ++i) {
     threads.emplace_back(work);
   }
   for (std::thread& thread : threads) {
@@ -135,7 +134,8 @@ absl::Status MeasureService(Bench& bench, RunFolders& folders, benchmark::State&
     failure.Update(run.status());
     return run.ok() ? run->compare_seconds : 1;
   });
-  contest.Add("kernel", static_cast<double>(kMeshes * kMeshes), [&] { return RunKernel(faces); });
+  contest.Add("kernel", static_cast<double>(kMeshes * kMeshes),
+              [&] { return RunKernel(faces, kThreads); });
   contest.Run(state);
   COHORT_RETURN_IF_ERROR(failure);
   figure.value = contest.Ratio("kernel", "service");
@@ -146,9 +146,10 @@ absl::Status MeasureService(Bench& bench, RunFolders& folders, benchmark::State&
   return absl::OkStatus();
 }
 
-/// The whole job, from one worker with one slot to two of them.
+/// The whole job, from one worker with one slot to two of them. Beside it what the machine itself
+/// gains from a second thread of the bare kernel.
 absl::Status MeasureWorkers(Bench& bench, RunFolders& folders, benchmark::State& state) {
-  COHORT_RETURN_IF_ERROR(bench.faces.Get(kVertices, kMeshes).status());  // Makes their folder.
+  COHORT_ASSIGN_OR_RETURN(const auto faces, bench.faces.Get(kVertices, kMeshes));
   absl::Status failure;
   Contest contest;
   for (const int workers : {1, 2}) {
@@ -158,13 +159,19 @@ absl::Status MeasureWorkers(Bench& bench, RunFolders& folders, benchmark::State&
       return run.ok() ? run->job_seconds : 1;
     });
   }
+  for (const int threads : {1, 2}) {
+    contest.Add(absl::StrCat("kernel ", threads), 1,
+                [&, threads] { return RunKernel(faces, threads); });
+  }
   contest.Run(state);
   COHORT_RETURN_IF_ERROR(failure);
   bench.figures.Add({"two workers against one, the whole job", AtLeast(kLeastGain),
                      contest.Ratio("1", "2"), " x",
                      absl::StrCat(kMeshes, " meshes of ", kVertices,
                                   ", wall time: ", Digits(contest.Nanoseconds("1") * 1e-9),
-                                  " s and ", Digits(contest.Nanoseconds("2") * 1e-9), " s")});
+                                  " s and ", Digits(contest.Nanoseconds("2") * 1e-9),
+                                  " s; two threads of the bare kernel against one ",
+                                  Digits(contest.Ratio("kernel 1", "kernel 2")), " x")});
   return absl::OkStatus();
 }
 

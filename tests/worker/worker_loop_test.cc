@@ -1,6 +1,5 @@
 #include "worker/worker_loop.h"
 
-#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <map>
@@ -53,7 +52,6 @@ class FakeLink final : public CoordinatorLink {
       return absl::UnavailableError("the network is down");
     }
     completed_.push_back(lease.task.number);
-    leased_.erase(lease.task.number);
     carried_ += report ? 1 : 0;
     changed_.NotifyAll();
     return report ? std::optional(Answer(*report)) : std::nullopt;
@@ -61,13 +59,11 @@ class FakeLink final : public CoordinatorLink {
   absl::Status ReleaseTask(const WorkerId&, const Lease& lease) override {
     MutexLock lock(mutex_);
     released_.push_back(lease.task.number);
-    leased_.erase(lease.task.number);
     return absl::OkStatus();
   }
   absl::Status FailTask(const WorkerId&, const Lease& lease, const absl::Status& why) override {
     MutexLock lock(mutex_);
     failed_[lease.task.number] = why;
-    leased_.erase(lease.task.number);
     changed_.NotifyAll();
     return absl::OkStatus();
   }
@@ -83,34 +79,22 @@ class FakeLink final : public CoordinatorLink {
     }
   }
 
-  /// Repeats grants that the worker does not know of; gives as many more as it asks for.
+  /// Gives as many tasks as it asks for, each once, as the server does.
   WorkerOrders Answer(const WorkerReport& report) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     WorkerOrders orders;
     orders.next_sync_seconds = next_sync_seconds_;
     orders.lease_seconds = 60;
-    const auto grant = [&orders](const Task& task) {
-      GrantedTask granted;
-      granted.lease.task = {.job = JobId{"j"}, .number = task.number};
-      granted.lease.epoch = 1;
-      granted.task = task;
-      orders.grants.push_back(granted);
-    };
-    for (const auto& [number, task] : leased_) {
-      const bool is_held = std::any_of(
-          report.held.begin(), report.held.end(),
-          [number = number](const HeldTask& held) { return held.lease.task.number == number; });
-      if (!is_held) {
-        grant(task);
-      }
-    }
     const int wanted = report.free_slots + report.spare_slots;
-    while (std::ssize(orders.grants) < wanted && !tasks_.empty()) {
-      grant(tasks_.front());
-      leased_[tasks_.front().number] = tasks_.front();
+    for (int i = 0; i < wanted && !tasks_.empty(); ++i) {
+      GrantedTask granted;
+      granted.task = tasks_.front();
       tasks_.pop_front();
-      ++granted_;
+      granted.lease.task = {.job = JobId{"j"}, .number = granted.task.number};
+      granted.lease.epoch = 1;
+      orders.grants.push_back(granted);
     }
     max_held_ = std::max(max_held_, report.held.size() + orders.grants.size());
+    granted_ += orders.grants.size();
     changed_.NotifyAll();
     return orders;
   }
@@ -118,7 +102,6 @@ class FakeLink final : public CoordinatorLink {
   Mutex mutex_;
   CondVar changed_;
   std::deque<Task> tasks_ ABSL_GUARDED_BY(mutex_);
-  std::map<int64_t, Task> leased_ ABSL_GUARDED_BY(mutex_);
   std::vector<int64_t> completed_ ABSL_GUARDED_BY(mutex_);
   std::vector<int64_t> released_ ABSL_GUARDED_BY(mutex_);
   std::map<int64_t, absl::Status> failed_ ABSL_GUARDED_BY(mutex_);
@@ -227,7 +210,7 @@ TEST_F(WorkerLoopTest, GetsTheNextTaskWithTheAnswerToAResult) {
   EXPECT_GE(link_.carried_, 4) << "a call of its own for nearly every task";
 }
 
-TEST_F(WorkerLoopTest, DropsOrdersThatALaterReportHasOvertaken) {
+TEST_F(WorkerLoopTest, FollowsOrdersThatALaterReportHasOvertaken) {
   {
     MutexLock lock(link_.mutex_);
     link_.tasks_ = IngestTasks(store_, 6);
