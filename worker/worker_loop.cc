@@ -18,6 +18,8 @@ using std::chrono::steady_clock;
 constexpr double kIdleWaitSeconds = 10;
 constexpr double kBusyWaitSeconds = 1;  ///< Leases under way must be renewed in time.
 constexpr double kShortestPauseSeconds = 0.01;
+/// A result that takes no longer than this to write brings the next task by itself.
+constexpr double kPatienceSeconds = 0.02;
 
 steady_clock::time_point In(double seconds) {
   return steady_clock::now() + std::chrono::milliseconds(static_cast<int64_t>(seconds * 1000));
@@ -269,13 +271,15 @@ absl::Status WorkerLoop::Complete(const Lease& lease, const TaskResult& result) 
 void WorkerLoop::NoteComputed(const Lease& lease) {
   const MutexLock lock(mutex_);
   running_.at(lease).computed = true;
-  const bool has_next = std::any_of(running_.begin(), running_.end(), [](const auto& held) {
-    return !held.second.finished && *held.second.ticks == HeldTask::kNotBegun;
+  const auto left = std::count_if(running_.begin(), running_.end(), [](const auto& held) {
+    return !held.second.finished && !held.second.computed;
   });
-  if (!has_next) {  // Asked for now, it is there when the slot would stand empty.
+  if (left < options_.slots) {  // A slot stands empty.
     has_news_ = true;
-    slot_freed_.NotifyAll();
+  } else if (left == options_.slots && !is_out_of_reach_) {
+    next_sync_ = std::min(next_sync_, In(kPatienceSeconds));
   }
+  slot_freed_.NotifyAll();
 }
 
 void WorkerLoop::NoteEnded(const Lease& lease, const absl::StatusOr<TaskResult>& result) {

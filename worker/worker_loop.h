@@ -42,7 +42,8 @@ struct WorkerFigures {
 /// Asks for tasks, runs each on a thread of its own, reports what came out. While tasks run it
 /// keeps calling the server, so that their leases live. Holds a task more than it can compute, so
 /// that no processor waits while a result is on its way. A result that is sent while no other call
-/// is under way takes the next report with it and brings the next task back.
+/// is under way takes the next report with it and brings the next task back; while there is enough
+/// to compute, and writing does not take long, nothing else asks for one.
 class WorkerLoop {
  public:
   WorkerLoop(const WorkerLoopOptions& options, CoordinatorLink& link, TaskRunner& runner);
@@ -87,7 +88,7 @@ class WorkerLoop {
   void Report(const Lease& lease, absl::StatusOr<TaskResult> result, const std::stop_token& stop);
   /// Says the result, and hears what is next if no other call asks for that.
   absl::Status Complete(const Lease& lease, const TaskResult& result);
-  /// The task has given its slot back.
+  /// The task has given its slot back: asks for another, now or soon, if none waits for the slot.
   void NoteComputed(const Lease& lease) ABSL_LOCKS_EXCLUDED(mutex_);
   /// The server has heard of the task's end.
   void NoteEnded(const Lease& lease, const absl::StatusOr<TaskResult>& result);

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -11,6 +12,7 @@
 #include <gmock/gmock.h>
 
 #include "common/base/error_reason.h"
+#include "common/base/mutex.h"
 #include "common/store/memory_blob_store.h"
 #include "server/planning/job_plan.h"
 #include "tests/testing/demo_scans.h"
@@ -117,6 +119,48 @@ class FakeLink final : public CoordinatorLink {
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
+/// Can be closed: then some more blobs can be read, and none be written, until it is let go.
+class GatedStore final : public BlobStore {
+ public:
+  explicit GatedStore(BlobStore& store) : store_(store) {}
+
+  absl::StatusOr<std::unique_ptr<BlobWriter>> StartPut() override {
+    Pass(false);
+    return store_.StartPut();
+  }
+  absl::StatusOr<std::unique_ptr<BlobReader>> Open(const Digest& digest) override {
+    Pass(true);
+    return store_.Open(digest);
+  }
+  absl::StatusOr<bool> Contains(const Digest& digest) override { return store_.Contains(digest); }
+
+  void CloseAfterReads(int count) {
+    const MutexLock lock(mutex_);
+    is_open_ = false;
+    reads_left_ = count;
+  }
+  void LetGo() {
+    const MutexLock lock(mutex_);
+    is_open_ = true;
+    changed_.NotifyAll();
+  }
+
+ private:
+  void Pass(bool is_read) {
+    MutexLock lock(mutex_);
+    while (!is_open_ && !(is_read && reads_left_ > 0)) {
+      changed_.Wait(mutex_);
+    }
+    reads_left_ -= is_read ? 1 : 0;
+  }
+
+  BlobStore& store_;
+  Mutex mutex_;
+  CondVar changed_;
+  bool is_open_ ABSL_GUARDED_BY(mutex_) = true;
+  int reads_left_ ABSL_GUARDED_BY(mutex_) = 0;
+};
+
 /// Ingest tasks of small scans, numbered from 0.
 std::deque<Task> IngestTasks(BlobStore& store, int count) {
   JobSpec spec;
@@ -145,8 +189,9 @@ class WorkerLoopTest : public ::testing::Test {
   }
 
   MemoryBlobStore store_;
-  MeshCache cache_{store_, 1 << 20};
-  TaskRunner runner_{store_, cache_};
+  GatedStore gate_{store_};
+  MeshCache cache_{gate_, 1 << 20};
+  TaskRunner runner_{gate_, cache_};
   FakeLink link_;
   WorkerLoopOptions options_;
   std::stop_source stop_;
@@ -208,6 +253,29 @@ TEST_F(WorkerLoopTest, GetsTheNextTaskWithTheAnswerToAResult) {
   Stop();
   MutexLock lock(link_.mutex_);
   EXPECT_GE(link_.carried_, 4) << "a call of its own for nearly every task";
+}
+
+TEST_F(WorkerLoopTest, AsksForTheNextTaskIfWritingTakesLong) {
+  gate_.CloseAfterReads(1);
+  {
+    MutexLock lock(link_.mutex_);
+    link_.tasks_ = IngestTasks(store_, 6);
+    link_.next_sync_seconds_ = 60;
+  }
+  Start(1);
+  {
+    // The first is being written, the second computes: it has no third to wait for its slot.
+    MutexLock lock(link_.mutex_);
+    while (link_.granted_ < 3) {
+      link_.changed_.Wait(link_.mutex_);
+    }
+    EXPECT_EQ(link_.sending_, 0);
+  }
+  gate_.LetGo();
+  link_.WaitForReports(6);
+  Stop();
+  MutexLock lock(link_.mutex_);
+  EXPECT_THAT(link_.completed_, ::testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5));
 }
 
 TEST_F(WorkerLoopTest, FollowsOrdersThatALaterReportHasOvertaken) {
