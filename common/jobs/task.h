@@ -88,10 +88,11 @@ struct Task {
 /// What decides to whom a task goes.
 struct TaskTraits {
   static constexpr int64_t kNothing = -1;
-  int64_t stage = 0;  ///< Tasks of one stage take about as long as each other.
+  int64_t stage = 0;  ///< Tasks of one stage are of one kind.
   /// Numbers for the groups of meshes that it reads (the first mesh of each): a worker that has
   /// them is preferred.
   std::array<int64_t, 2> reads{kNothing, kNothing};
+  double cost = 0;  ///< Task::cost.
 };
 
 /// Work done, counted as the algorithm needs it (not as caches happened to save it).

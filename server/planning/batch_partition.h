@@ -2,14 +2,9 @@
 
 #include <cstdint>
 
-namespace cohort {
+#include "server/planning/mesh_range.h"
 
-/// Consecutive meshes [begin, end).
-struct MeshRange {
-  int64_t begin = 0;
-  int64_t end = 0;
-  friend bool operator==(const MeshRange&, const MeshRange&) = default;
-};
+namespace cohort {
 
 /// Cuts a number of meshes into batches: of one size at first, smaller towards the end, so that
 /// workers which take them one after the other finish together.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/planning/block_pairs.h"
+#include "server/planning/block_partition.h"
 #include "server/planning/kept_bytes.h"
 #include "server/planning/stage.h"
 
@@ -25,8 +26,13 @@ double SecondsPerLookup(const PlanState& state) {
                                                         : kSecondsPerLookup;
 }
 
-/// Meshes on a side of a tile; follows from the meshes alone.
-int64_t BlockSize(const PlanState& state) {
+/// How large tiles are to be; follows from the meshes alone.
+struct TileSize {
+  int64_t mean = 1;  ///< Meshes on a side, on average.
+  int64_t most = 1;
+};
+
+TileSize TileSizeOf(const PlanState& state) {
   constexpr double kVectorBytes = 3.3;
   const double vertices =
       std::max(1.0, state.active_vertices / static_cast<double>(state.ActiveCount()));
@@ -34,15 +40,27 @@ int64_t BlockSize(const PlanState& state) {
   const double pairs_at_most = kMostTileBytes / (vertices * kVectorBytes);
   // A tile of b meshes a side holds 2 b^2 pairs.
   const auto least = static_cast<int64_t>(std::sqrt(pairs_at_least / 2));
-  const auto most = static_cast<int64_t>(std::sqrt(pairs_at_most / 2));
+  const auto in_memory = static_cast<int64_t>(std::sqrt(pairs_at_most / 2));
+  const int64_t most = std::clamp<int64_t>(in_memory, 1, kMaxBlockSize);
   const int64_t even = (state.ActiveCount() + kBlocksPerSide - 1) / kBlocksPerSide;
-  const int64_t size = std::clamp<int64_t>(std::min(std::max(even, least), most), 1, kMaxBlockSize);
+  const int64_t mean = std::clamp<int64_t>(std::max(even, least), 1, most);
   const Retention retention = ResolvedCompare(state).retention;
   if (retention == Retention::kVectors || retention == Retention::kCompact) {
-    return size;
+    return {.mean = mean, .most = most};
   }
-  const double few = static_cast<double>(state.ActiveCount()) / std::sqrt(2 * kMostTiles);
-  return std::max(size, static_cast<int64_t>(std::ceil(few)));
+  const auto few = static_cast<int64_t>(
+      std::ceil(static_cast<double>(state.ActiveCount()) / std::sqrt(2 * kMostTiles)));
+  return few > mean ? TileSize{.mean = few, .most = state.ActiveCount()}
+                    : TileSize{.mean = mean, .most = most};
+}
+
+/// @param meshes  >= 1.
+BlockPartition BlocksOf(int64_t meshes, const TileSize& size) {
+  BlockPartition blocks(meshes, (meshes + size.mean - 1) / size.mean);
+  while (blocks.MostMeshes() > size.most) {
+    blocks = BlockPartition(meshes, blocks.Count() + 1);
+  }
+  return blocks;
 }
 
 /// Meshes of a tile, as the state has them.
@@ -52,44 +70,51 @@ struct TilePlace {
   bool is_diagonal = false;  ///< Both are the same meshes.
 };
 
-int64_t BlockCount(int64_t meshes, int64_t size) {
-  return (meshes + size - 1) / size;
-}
-
-std::span<const int32_t> BlockAt(std::span<const int32_t> meshes, int64_t size, int64_t block) {
-  const int64_t begin = block * size;
-  const int64_t end = std::min(begin + size, std::ssize(meshes));
-  return meshes.subspan(static_cast<size_t>(begin), static_cast<size_t>(end - begin));
+std::span<const int32_t> BlockAt(std::span<const int32_t> meshes,
+                                 const BlockPartition& blocks,
+                                 int64_t block) {
+  const MeshRange range = blocks.At(block);
+  return meshes.subspan(static_cast<size_t>(range.begin), static_cast<size_t>(range.Size()));
 }
 
 /// The tiles of a job: of all its meshes with each other; where a reference job has measured some,
 /// first those of new meshes with kept ones, then those of new ones.
 int64_t TileCount(const PlanState& state) {
-  const int64_t size = BlockSize(state);
+  const TileSize size = TileSizeOf(state);
   if (!state.HasKeptFrame()) {
-    return BlockPairCount(BlockCount(state.ActiveCount(), size));
+    return BlockPairCount(BlocksOf(state.ActiveCount(), size).Count());
   }
-  const int64_t open = BlockCount(std::ssize(state.active_open), size);
-  return open * BlockCount(std::ssize(state.active_kept), size) + BlockPairCount(open);
+  if (state.active_open.empty()) {
+    return 0;
+  }
+  const int64_t open = BlocksOf(std::ssize(state.active_open), size).Count();
+  const int64_t kept =
+      state.active_kept.empty() ? 0 : BlocksOf(std::ssize(state.active_kept), size).Count();
+  return open * kept + BlockPairCount(open);
 }
 
 TilePlace TileAt(const PlanState& state, int64_t task) {
-  const int64_t size = BlockSize(state);
-  const std::vector<int32_t>& all = state.active;
+  const TileSize size = TileSizeOf(state);
   if (!state.HasKeptFrame()) {
-    const auto [row, column] = BlockPairAt(BlockCount(state.ActiveCount(), size), task);
-    return {BlockAt(all, size, row), BlockAt(all, size, column), row == column};
+    const BlockPartition blocks = BlocksOf(state.ActiveCount(), size);
+    const auto [row, column] = BlockPairAt(blocks.Count(), task);
+    return {BlockAt(state.active, blocks, row), BlockAt(state.active, blocks, column),
+            row == column};
   }
   const std::vector<int32_t>& open = state.active_open;
   const std::vector<int32_t>& kept = state.active_kept;
-  const int64_t open_blocks = BlockCount(std::ssize(open), size);
-  const int64_t mixed = open_blocks * BlockCount(std::ssize(kept), size);
-  if (task < mixed) {
-    return {BlockAt(open, size, task % open_blocks), BlockAt(kept, size, task / open_blocks),
-            false};
+  const BlockPartition open_blocks = BlocksOf(std::ssize(open), size);
+  int64_t mixed = 0;
+  if (!kept.empty()) {
+    const BlockPartition kept_blocks = BlocksOf(std::ssize(kept), size);
+    mixed = open_blocks.Count() * kept_blocks.Count();
+    if (task < mixed) {
+      return {BlockAt(open, open_blocks, task % open_blocks.Count()),
+              BlockAt(kept, kept_blocks, task / open_blocks.Count()), false};
+    }
   }
-  const auto [row, column] = BlockPairAt(open_blocks, task - mixed);
-  return {BlockAt(open, size, row), BlockAt(open, size, column), row == column};
+  const auto [row, column] = BlockPairAt(open_blocks.Count(), task - mixed);
+  return {BlockAt(open, open_blocks, row), BlockAt(open, open_blocks, column), row == column};
 }
 
 void AddFields(PlanState& state, const TaskResult& result) {

@@ -15,7 +15,7 @@ namespace cohort {
 /// Grows with every change of which tasks a job has and of their numbers, so that a server does not
 /// take the results that another build wrote under the same numbers for those of its own plan.
 /// tests/server/planning/plan_version_test.cc notices.
-inline constexpr int kPlanVersion = 2;
+inline constexpr int kPlanVersion = 3;
 
 /// Consecutive task numbers.
 struct TaskRange {

@@ -140,7 +140,8 @@ TaskTraits StagedPlan::TraitsOf(int64_t number) const {
   const OpenTask& open = open_[static_cast<size_t>(number - first_number_)];
   // Numbers of a step are consecutive, so that one of them names the stage.
   return {.stage = first_number_ + open.stage_ordinal,
-          .reads = open.stage->Reads(state_, open.place)};
+          .reads = open.stage->Reads(state_, open.place),
+          .cost = open.cost};
 }
 
 absl::Status StagedPlan::Advance() {

@@ -70,7 +70,7 @@ struct Renewal {
 ///
 /// Among jobs of the highest priority that have a ready task, the one with the fewest tasks out
 /// comes first, so that a small job never waits for a large one. Of its first tasks in number order
-/// the worker gets one that reads what it has read before.
+/// that cost about as much the worker gets one that reads what it has read before.
 class Scheduler {
  public:
   explicit Scheduler(const SchedulerOptions& options) : options_(options) {}

@@ -1,13 +1,18 @@
 // The half of the scheduler that keeps its counts and indexes true.
 #include <algorithm>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "server/scheduling/scheduler.h"
 
 namespace cohort {
 namespace {
 
-constexpr int64_t kPickWindow = 48;     ///< Ready tasks among which a worker's own are looked for.
+constexpr int64_t kPickWindow = 48;  ///< Ready tasks among which a worker's own are looked for.
+/// Tasks that cost less than this share of the dearest are left for the end of a stage, when
+/// workers are to finish together.
+constexpr double kLikeCost = 0.7;
 constexpr size_t kMemoryLength = 32;    ///< Groups of meshes that a worker is taken to have still.
 constexpr size_t kMostMemories = 4096;  ///< Workers known; beyond, all are forgotten.
 
@@ -234,13 +239,20 @@ int64_t Scheduler::PickTask(const JobId& job, const WorkerId& worker) const {
   if (memory == memories_.end() || tasks.options.traits_of == nullptr) {
     return best;
   }
-  int best_score = -1;
-  const int64_t stage =
-      TraitsOf({job, best}).stage;  // Stages of one step come one after the other.
+  const int64_t stage = TraitsOf({job, best}).stage;
+  std::vector<std::pair<int64_t, TaskTraits>> choice;
+  double dearest = 0;
   tasks.ready.ForEachOfFirst(kPickWindow, [&](int64_t number) {
     const TaskTraits traits = TraitsOf({job, number});
-    if (traits.stage != stage) {
-      return;
+    if (traits.stage == stage) {  // Stages of one step come one after the other.
+      choice.emplace_back(number, traits);
+      dearest = std::max(dearest, traits.cost);
+    }
+  });
+  int best_score = -1;
+  for (const auto& [number, traits] : choice) {
+    if (traits.cost < kLikeCost * dearest) {
+      continue;
     }
     int score = 0;
     for (const int64_t read : traits.reads) {
@@ -253,7 +265,7 @@ int64_t Scheduler::PickTask(const JobId& job, const WorkerId& worker) const {
       best_score = score;
       best = number;
     }
-  });
+  }
   return best;
 }
 

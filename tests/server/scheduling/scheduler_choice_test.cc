@@ -176,5 +176,22 @@ TEST(SchedulerLocality, GivesAWorkerWhatReadsTheSameMeshes) {
   EXPECT_THAT(scheduler.Grant(kAnna, 1, At(0)), ElementsAre(L(kA, 12, 1)));  // 2 and 0.
 }
 
+TEST(SchedulerLocality, LeavesSmallTasksForTheEnd) {
+  Scheduler scheduler(kOptions);
+  const std::vector<double> costs = {4, 1, 4, 3, 4, 1};
+  const auto traits_of = [&](int64_t number) {
+    return TaskTraits{.stage = 0,
+                      .reads = {number % 2, TaskTraits::kNothing},
+                      .cost = costs[static_cast<size_t>(number)]};
+  };
+  scheduler.SetJob(kA, {.priority = 0, .is_paused = false, .traits_of = traits_of});
+  scheduler.AddTasks(kA, 0, 6);
+  EXPECT_THAT(scheduler.Grant(kAnna, 3, At(0)),
+              ElementsAre(L(kA, 0, 1), L(kA, 2, 1), L(kA, 4, 1)));
+  EXPECT_THAT(scheduler.Grant(kAnna, 1, At(0)), ElementsAre(L(kA, 3, 1)))
+      << "costs 3: others of her group, of 1, wait";
+  EXPECT_THAT(scheduler.Grant(kAnna, 2, At(0)), ElementsAre(L(kA, 1, 1), L(kA, 5, 1)));
+}
+
 }  // namespace
 }  // namespace cohort
