@@ -174,7 +174,7 @@ absl::StatusOr<JobOutputs> Catalog::GetOutputs(const JobId& id) {
 
 absl::StatusOr<std::vector<JobMesh>> Catalog::GetJobMeshes(const JobId& id) {
   return database_->ReadValue<std::vector<JobMesh>>(
-      [&](soci::session& sql) -> absl::StatusOr<std::vector<JobMesh>> {
+      [&](CatalogSession& sql) -> absl::StatusOr<std::vector<JobMesh>> {
         COHORT_ASSIGN_OR_RETURN(const int64_t number, RequireJob(sql, id));
         return SelectJobMeshes(sql, number);
       });

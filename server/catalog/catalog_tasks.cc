@@ -217,7 +217,7 @@ absl::Status Catalog::SaveGrants(std::span<const JobTask> tasks, std::span<const
 
 absl::Status Catalog::VisitTasks(const JobId& job,
                                  const std::function<absl::Status(const TaskRecord&)>& visit) {
-  return database_->Read([&](soci::session& sql) -> absl::Status {
+  return database_->Read([&](CatalogSession& sql) -> absl::Status {
     COHORT_ASSIGN_OR_RETURN(const int64_t number, RequireJob(sql, job));
     return SelectTasks(sql, number, visit);
   });

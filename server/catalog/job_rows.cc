@@ -73,6 +73,28 @@ class JobUpdater {
   soci::statement update_;
 };
 
+class JobFinder {
+ public:
+  explicit JobFinder(soci::session& sql)
+      : select_((sql.prepare << "SELECT number FROM job WHERE number = :number",
+                 soci::use(number_),
+                 soci::into(found_))) {}
+
+  [[nodiscard]] bool Contains(int64_t number) {
+    number_ = number;
+    select_.execute();
+    const bool contains = select_.fetch();
+    while (select_.fetch()) {  // To its end: see CatalogSession::Kept.
+    }
+    return contains;
+  }
+
+ private:
+  int64_t number_ = 0;
+  int64_t found_ = 0;
+  soci::statement select_;
+};
+
 }  // namespace
 
 JobId JobIdOf(int64_t number) {
@@ -177,11 +199,9 @@ absl::Status UpdateJobRow(CatalogSession& sql, const Job& job) {
   return is_there ? absl::OkStatus() : NoSuchJob(job.id);
 }
 
-absl::StatusOr<int64_t> RequireJob(soci::session& sql, const JobId& id) {
+absl::StatusOr<int64_t> RequireJob(CatalogSession& sql, const JobId& id) {
   COHORT_ASSIGN_OR_RETURN(const int64_t number, NumberOf(id));
-  int64_t count = 0;
-  sql << "SELECT COUNT(*) FROM job WHERE number = :number", soci::use(number), soci::into(count);
-  if (count == 0) {
+  if (!sql.Kept<JobFinder>().Contains(number)) {
     return NoSuchJob(id);
   }
   return number;

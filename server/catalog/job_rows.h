@@ -36,6 +36,6 @@ namespace cohort {
 /// What Catalog::UpdateJob writes. @return kNotFound naming the job.
 [[nodiscard]] absl::Status UpdateJobRow(CatalogSession& sql, const Job& job);
 /// The number of a job that is there. @return kNotFound naming the job.
-[[nodiscard]] absl::StatusOr<int64_t> RequireJob(soci::session& sql, const JobId& id);
+[[nodiscard]] absl::StatusOr<int64_t> RequireJob(CatalogSession& sql, const JobId& id);
 
 }  // namespace cohort
