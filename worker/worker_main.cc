@@ -1,5 +1,6 @@
 #include "worker/worker_main.h"
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <array>
@@ -38,6 +39,15 @@ namespace cohort {
 namespace {
 
 constexpr int kWedgedExitCode = 75;  // EX_TEMPFAIL: to be started again.
+constexpr int kKeptArrayBytes = 64 << 20;
+constexpr int kKeptBytes = 256 << 20;
+
+/// A task needs arrays as large as the one before it: they are not given back to the kernel in
+/// between, which would have to clear them again (half of the page faults of a job).
+void KeepFreedMemory() {
+  ::mallopt(M_MMAP_THRESHOLD, kKeptArrayBytes);  // Where not kept, a task is slower; no more.
+  ::mallopt(M_TRIM_THRESHOLD, kKeptBytes);
+}
 
 /// Unique in practice: host, process, and a random part for reused process numbers.
 std::string MakeWorkerName() {
@@ -217,6 +227,7 @@ int WorkerMain(int argc, char** argv) {
     spdlog::set_default_logger(spdlog::stderr_color_mt("cohort-worker"));
     spdlog::set_level(spdlog::level::from_str(options.log_level));
     BlockStopSignals();
+    KeepFreedMemory();
     const absl::Status status = RunWorker(options);
     if (!status.ok()) {
       std::cerr << "cohort-worker: " << status.message() << "\n";

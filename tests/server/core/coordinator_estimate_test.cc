@@ -1,4 +1,5 @@
 // What a job would take, told by a coordinator that has done some, and jobs that do not fit.
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <numeric>
@@ -33,9 +34,10 @@ constexpr int kVertices = 1500;
 class EstimateTest : public ::testing::Test {
  protected:
   EstimateTest() {
+    std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::replace(test.begin(), test.end(), '/', '-');  // Of a parameter.
     folder_ = std::filesystem::temp_directory_path() /
-              ("estimate_test-" + std::to_string(getpid()) + "-" +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+              ("estimate_test-" + std::to_string(getpid()) + "-" + test);
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
     catalog_ = Catalog::Open(folder_ / "catalog.db").value();
