@@ -186,8 +186,7 @@ TEST(SchedulerLocality, LeavesSmallTasksForTheEnd) {
   };
   scheduler.SetJob(kA, {.priority = 0, .is_paused = false, .traits_of = traits_of});
   scheduler.AddTasks(kA, 0, 6);
-  EXPECT_THAT(scheduler.Grant(kAnna, 3, At(0)),
-              ElementsAre(L(kA, 0, 1), L(kA, 2, 1), L(kA, 4, 1)));
+  EXPECT_THAT(scheduler.Grant(kAnna, 3, At(0)), ElementsAre(L(kA, 0, 1), L(kA, 2, 1), L(kA, 4, 1)));
   EXPECT_THAT(scheduler.Grant(kAnna, 1, At(0)), ElementsAre(L(kA, 3, 1)))
       << "costs 3: others of her group, of 1, wait";
   EXPECT_THAT(scheduler.Grant(kAnna, 2, At(0)), ElementsAre(L(kA, 1, 1), L(kA, 5, 1)));
