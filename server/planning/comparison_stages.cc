@@ -80,6 +80,9 @@ std::span<const int32_t> BlockAt(std::span<const int32_t> meshes,
 /// The tiles of a job: of all its meshes with each other; where a reference job has measured some,
 /// first those of new meshes with kept ones, then those of new ones.
 int64_t TileCount(const PlanState& state) {
+  if (state.ActiveCount() == 0) {
+    return 0;  // All were rejected; the job is about to fail.
+  }
   const TileSize size = TileSizeOf(state);
   if (!state.HasKeptFrame()) {
     return BlockPairCount(BlocksOf(state.ActiveCount(), size).Count());

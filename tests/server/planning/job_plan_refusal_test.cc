@@ -223,6 +223,20 @@ TEST(Rejections, FailTheJobWhenFewerThanTwoMeshesAreLeft) {
   EXPECT_THAT(plan->TakeReadyTasks(), IsEmpty());
 }
 
+TEST(Rejections, OfAllMeshesLeaveAPlanThatForeseesNoPairs) {
+  FakeJob job(3);
+  for (int mesh = 0; mesh < 3; ++mesh) {
+    job.RejectIn("ingest", mesh, "no faces");
+  }
+  const auto plan = job.Plan(SpecOf(Method::kAverage));
+  absl::Status status;
+  (void)job.RunReady(*plan, &status);
+  EXPECT_THAT(status, StatusIs(kFailed, "of 3 only 0 can be used"));
+  for (const StageForecast& stage : plan->Forecast().stages) {
+    EXPECT_NE(stage.name, "compare");
+  }
+}
+
 TEST(Rejections, FailTheJobWhenAlignmentLeavesFewerThanTwo) {
   FakeJob job(2);
   job.RejectIn("align 1", 1, "collapsed");
