@@ -43,7 +43,7 @@ constexpr int kKeptArrayBytes = 64 << 20;
 constexpr int kKeptBytes = 256 << 20;
 
 /// A task needs arrays as large as the one before it: they are not given back to the kernel in
-/// between, which would have to clear them again (half of the page faults of a job).
+/// between, which would have to clear them again.
 void KeepFreedMemory() {
   ::mallopt(M_MMAP_THRESHOLD, kKeptArrayBytes);  // Where not kept, a task is slower; no more.
   ::mallopt(M_TRIM_THRESHOLD, kKeptBytes);

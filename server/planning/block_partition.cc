@@ -12,12 +12,14 @@ constexpr int64_t kMostSteps = 4;
 }  // namespace
 
 BlockPartition::BlockPartition(int64_t meshes, int64_t count)
-    : meshes_(meshes), count_(count), steps_(std::min({kMostSteps, count, meshes / count})) {
-  assert(count >= 1 && count <= meshes);
+    : meshes_(meshes),
+      count_(count),
+      steps_(std::min({kMostSteps, count, meshes / std::max<int64_t>(count, 1)})) {
+  assert(count <= meshes && (count >= 1 || meshes == 0));
 }
 
 int64_t BlockPartition::MostMeshes() const {
-  const int64_t weight = WeightOfLast(count_);
+  const int64_t weight = std::max<int64_t>(WeightOfLast(count_), 1);
   return (meshes_ * steps_ + weight - 1) / weight;
 }
 

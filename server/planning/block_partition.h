@@ -11,8 +11,8 @@ namespace cohort {
 /// finish together.
 class BlockPartition {
  public:
-  /// @param meshes  >= 1.
-  /// @param count   of blocks, 1..meshes.
+  /// @param meshes  >= 0.
+  /// @param count   of blocks, 1..meshes; 0 if there are no meshes.
   BlockPartition(int64_t meshes, int64_t count);
 
   [[nodiscard]] int64_t Count() const { return count_; }

@@ -54,7 +54,6 @@ TileSize TileSizeOf(const PlanState& state) {
                     : TileSize{.mean = mean, .most = most};
 }
 
-/// @param meshes  >= 1.
 BlockPartition BlocksOf(int64_t meshes, const TileSize& size) {
   BlockPartition blocks(meshes, (meshes + size.mean - 1) / size.mean);
   while (blocks.MostMeshes() > size.most) {
@@ -80,20 +79,12 @@ std::span<const int32_t> BlockAt(std::span<const int32_t> meshes,
 /// The tiles of a job: of all its meshes with each other; where a reference job has measured some,
 /// first those of new meshes with kept ones, then those of new ones.
 int64_t TileCount(const PlanState& state) {
-  if (state.ActiveCount() == 0) {
-    return 0;  // All were rejected; the job is about to fail.
-  }
   const TileSize size = TileSizeOf(state);
   if (!state.HasKeptFrame()) {
     return BlockPairCount(BlocksOf(state.ActiveCount(), size).Count());
   }
-  if (state.active_open.empty()) {
-    return 0;
-  }
   const int64_t open = BlocksOf(std::ssize(state.active_open), size).Count();
-  const int64_t kept =
-      state.active_kept.empty() ? 0 : BlocksOf(std::ssize(state.active_kept), size).Count();
-  return open * kept + BlockPairCount(open);
+  return open * BlocksOf(std::ssize(state.active_kept), size).Count() + BlockPairCount(open);
 }
 
 TilePlace TileAt(const PlanState& state, int64_t task) {
@@ -107,14 +98,11 @@ TilePlace TileAt(const PlanState& state, int64_t task) {
   const std::vector<int32_t>& open = state.active_open;
   const std::vector<int32_t>& kept = state.active_kept;
   const BlockPartition open_blocks = BlocksOf(std::ssize(open), size);
-  int64_t mixed = 0;
-  if (!kept.empty()) {
-    const BlockPartition kept_blocks = BlocksOf(std::ssize(kept), size);
-    mixed = open_blocks.Count() * kept_blocks.Count();
-    if (task < mixed) {
-      return {BlockAt(open, open_blocks, task % open_blocks.Count()),
-              BlockAt(kept, kept_blocks, task / open_blocks.Count()), false};
-    }
+  const BlockPartition kept_blocks = BlocksOf(std::ssize(kept), size);
+  const int64_t mixed = open_blocks.Count() * kept_blocks.Count();
+  if (task < mixed) {
+    return {BlockAt(open, open_blocks, task % open_blocks.Count()),
+            BlockAt(kept, kept_blocks, task / open_blocks.Count()), false};
   }
   const auto [row, column] = BlockPairAt(open_blocks.Count(), task - mixed);
   return {BlockAt(open, open_blocks, row), BlockAt(open, open_blocks, column), row == column};

@@ -51,6 +51,12 @@ TEST(BlockPartition, CoversAllMeshesOnceAndKeepsItsBounds) {
   }
 }
 
+TEST(BlockPartition, OfNoMeshesHasNoBlocks) {
+  const BlockPartition blocks(0, 0);
+  EXPECT_EQ(blocks.Count(), 0);
+  EXPECT_EQ(blocks.MostMeshes(), 0);
+}
+
 TEST(BlockPartition, HoldsAHundredThousandMeshes) {
   const BlockPartition blocks(100000, 1409);
   EXPECT_EQ(blocks.At(0).begin, 0);
