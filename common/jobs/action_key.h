@@ -9,7 +9,7 @@ namespace cohort {
 
 /// Grows with every change of what some task's output bytes are, so that results of earlier builds
 /// are not taken for those of this one. tests/worker/tasks/results_version_test.cc notices.
-inline constexpr int kResultsVersion = 3;
+inline constexpr int kResultsVersion = 4;
 
 /// Names tasks by what they do: the same key, the same result. A hash of everything in the task but
 /// its number, stage and cost, and of kResultsVersion. Indices and names of meshes count, because

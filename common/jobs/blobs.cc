@@ -15,15 +15,15 @@ namespace cohort {
 namespace {
 
 constexpr std::string_view kAlignmentMagic = "COHALGN2";
-constexpr std::string_view kDisplacementMagic = "COHDISP1";
+constexpr std::string_view kDisplacementMagic = "COHDISP2";
 constexpr std::string_view kTileMagic = "COHTILE1";
-constexpr std::string_view kVariationMagic = "COHVARI2";
+constexpr std::string_view kVariationMagic = "COHVARI3";
 constexpr std::string_view kSummaryMagic = "COHSUMM1";
 constexpr std::string_view kBaseMagic = "COHBASE1";
 
 constexpr uint64_t kAlignmentBytes =
     2 * sizeof(int32_t) + 2 + sizeof(int64_t) + 17 * sizeof(double);
-constexpr uint64_t kPointBytes = 3 * sizeof(double);
+constexpr uint64_t kPointBytes = 3 * sizeof(float);
 constexpr uint64_t kValuesBytes = sizeof(MetricValues);
 constexpr uint64_t kBlockHeaderBytes = 3 * sizeof(uint64_t);
 
@@ -83,14 +83,14 @@ absl::Status GetAlignment(BlobDecoder& blob, MeshAlignment& item) {
   return absl::OkStatus();
 }
 
-std::span<const double> Coefficients(const Eigen::Matrix3Xd& points) {
+std::span<const float> Coefficients(const Eigen::Matrix3Xf& points) {
   return {points.data(), static_cast<size_t>(points.size())};
 }
 
-absl::Status GetPoints(BlobDecoder& blob, uint64_t count, Eigen::Matrix3Xd& points) {
+absl::Status GetPoints(BlobDecoder& blob, uint64_t count, Eigen::Matrix3Xf& points) {
   COHORT_RETURN_IF_ERROR(blob.CheckRoom("points", count, kPointBytes));
   points.resize(3, static_cast<Eigen::Index>(count));
-  return blob.GetArray<double>("points", {points.data(), static_cast<size_t>(points.size())});
+  return blob.GetArray<float>("points", {points.data(), static_cast<size_t>(points.size())});
 }
 
 absl::Status GetMeshCount(BlobDecoder& blob, int64_t& mesh_count) {
@@ -165,7 +165,7 @@ std::string EncodeDisplacementBlob(const DisplacementSum& displacement) {
   writer.PutBytes(kDisplacementMagic);
   writer.Put<int64_t>(displacement.mesh_count);
   writer.Put<uint64_t>(static_cast<uint64_t>(displacement.sum.cols()));
-  writer.PutArray<double>(Coefficients(displacement.sum));
+  writer.PutArray<float>(Coefficients(displacement.sum));
   return std::move(writer).Take();
 }
 
@@ -218,7 +218,7 @@ std::string EncodeVariationBlob(const VariationPart& part) {
   writer.PutArray<float>({part.distances.data(), static_cast<size_t>(part.distances.size())});
   writer.Put<int64_t>(part.displacement.mesh_count);
   writer.Put<uint64_t>(static_cast<uint64_t>(part.displacement.sum.cols()));
-  writer.PutArray<double>(Coefficients(part.displacement.sum));
+  writer.PutArray<float>(Coefficients(part.displacement.sum));
   return std::move(writer).Take();
 }
 

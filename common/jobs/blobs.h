@@ -30,12 +30,13 @@ struct MeshAlignment {
 [[nodiscard]] absl::StatusOr<std::vector<MeshAlignment>> DecodeAlignmentBlob(
     std::string_view bytes);
 
-/// Sum of the displacements of some meshes.
+/// Sum of the displacements of some meshes. float32 rounds it by 1e-7 of what is itself small
+/// beside the shape that its mean is added to.
 struct DisplacementSum {
   int64_t mesh_count = 0;
-  Eigen::Matrix3Xd sum;  ///< 3 x n, n = reference vertices.
+  Eigen::Matrix3Xf sum;  ///< 3 x n, n = reference vertices.
 };
-/// "COHDISP1", int64 mesh_count, uint64 n, 3 n float64.
+/// "COHDISP2", int64 mesh_count, uint64 n, 3 n float32.
 [[nodiscard]] std::string EncodeDisplacementBlob(const DisplacementSum& displacement);
 [[nodiscard]] absl::StatusOr<DisplacementSum> DecodeDisplacementBlob(std::string_view bytes);
 
@@ -70,8 +71,8 @@ struct VariationPart {
   Eigen::MatrixXf distances;     ///< n x meshes.
   DisplacementSum displacement;  ///< Its sum: of n vertices or of none.
 };
-/// "COHVARI2", uint64 n, uint64 meshes, int32 indices, float32 distances (mesh by mesh),
-/// int64 mesh_count, uint64 p (n, or 0: the sum is not wanted), 3 p float64.
+/// "COHVARI3", uint64 n, uint64 meshes, int32 indices, float32 distances (mesh by mesh),
+/// int64 mesh_count, uint64 p (n, or 0: the sum is not wanted), 3 p float32.
 [[nodiscard]] std::string EncodeVariationBlob(const VariationPart& part);
 [[nodiscard]] absl::StatusOr<VariationPart> DecodeVariationBlob(std::string_view bytes);
 

@@ -112,8 +112,8 @@ absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& con
   PacketSearch search;
   result.counters.align.index_builds = task.counts_reference_index ? 1 : 0;
   std::vector<MeshAlignment> alignments;
-  DisplacementSum displacement;
-  displacement.sum =
+  int64_t displaced = 0;
+  Eigen::Matrix3Xd displacement =
       Eigen::Matrix3Xd::Zero(3, task.wants_displacement ? displacements.VertexCount() : 0);
   std::optional<VariationOutput> variation;
   if (task.wants_variation) {
@@ -141,8 +141,8 @@ absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& con
     COHORT_ASSIGN_OR_RETURN(const Eigen::Matrix3Xd found,
                             displacements.Find(input.blob, aligned->T_target_source));
     if (task.wants_displacement) {
-      displacement.sum += found;
-      ++displacement.mesh_count;
+      displacement += found;
+      ++displaced;
       result.counters.average += {.index_builds = 1, .lookups = displacements.VertexCount()};
     }
     if (variation) {
@@ -153,7 +153,8 @@ absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& con
   }
   blobs.alignments = EncodeAlignmentBlob(alignments);
   if (task.wants_displacement) {
-    blobs.displacement = EncodeDisplacementBlob(displacement);
+    blobs.displacement =
+        EncodeDisplacementBlob({.mesh_count = displaced, .sum = displacement.cast<float>()});
   }
   if (variation) {
     blobs.variation = std::move(*variation).Encode();
@@ -180,7 +181,7 @@ absl::StatusOr<TaskResult> RunAverageTask(const Task& task, const TaskContext& c
       return absl::DataLossError("displacement blob " + blob.Hex() + " does not fit the reference");
     }
     mesh_count += part.mesh_count;
-    sum += part.sum;
+    sum += part.sum.cast<double>();
   }
   if (mesh_count == 0) {
     return absl::FailedPreconditionError("no mesh could be aligned to the reference");

@@ -13,14 +13,14 @@ VariationOutput::VariationOutput(const Task& task, int64_t vertices)
                   .fields = DisplacementFields(std::ssize(SignatureVertices(vertices)))},
       correspondences_{.meshes = {}, .fields = DisplacementFields(vertices)} {
   part_.distances.resize(vertices, std::ssize(task.meshes));
-  part_.displacement.sum = Eigen::Matrix3Xd::Zero(3, moves_reference_ ? vertices : 0);
+  sum_ = Eigen::Matrix3Xd::Zero(3, moves_reference_ ? vertices : 0);
 }
 
 void VariationOutput::Add(int32_t mesh, const Eigen::Matrix3Xd& displacement, Counters& counters) {
   part_.distances.col(std::ssize(part_.meshes)) =
       displacement.colwise().norm().transpose().cast<float>();
   if (moves_reference_) {
-    part_.displacement.sum += displacement;
+    sum_ += displacement;
   }
   ++part_.displacement.mesh_count;
   part_.meshes.push_back(mesh);
@@ -35,6 +35,7 @@ void VariationOutput::Add(int32_t mesh, const Eigen::Matrix3Xd& displacement, Co
 
 VariationOutput::Blobs VariationOutput::Encode() && {
   part_.distances.conservativeResize(Eigen::NoChange, std::ssize(part_.meshes));
+  part_.displacement.sum = sum_.cast<float>();
   return {.variation = EncodeVariationBlob(part_),
           .signatures = EncodeCorrespondenceBlob(signatures_),
           .correspondences =

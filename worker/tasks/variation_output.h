@@ -33,7 +33,8 @@ class VariationOutput {
  private:
   bool wants_correspondences_;
   bool moves_reference_;
-  VariationPart part_;
+  VariationPart part_;  ///< Without its sum of displacements.
+  Eigen::Matrix3Xd sum_;
   CorrespondencePart signatures_;
   CorrespondencePart correspondences_;
 };

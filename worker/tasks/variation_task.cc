@@ -1,6 +1,7 @@
 #include "worker/tasks/variation_task.h"
 
 #include <array>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,7 +41,7 @@ absl::StatusOr<TaskResult> RunVariationTask(const Task& task, const TaskContext&
 absl::StatusOr<TaskResult> RunSummarizeTask(const Task& task, const TaskContext& context) {
   COHORT_ASSIGN_OR_RETURN(const auto reference, context.meshes.Get(task.reference));
   std::vector<Eigen::MatrixXf> distances;
-  std::vector<Eigen::Matrix3Xd> sums;
+  Eigen::Matrix3Xd sum = Eigen::Matrix3Xd::Zero(3, reference->VertexCount());
   VariationSummary summary;
   for (const Digest& blob : task.partials) {
     COHORT_RETURN_IF_ERROR(context.CheckStop());
@@ -53,7 +54,9 @@ absl::StatusOr<TaskResult> RunSummarizeTask(const Task& task, const TaskContext&
     }
     summary.mesh_count += part.displacement.mesh_count;
     distances.push_back(std::move(part.distances));
-    sums.push_back(std::move(part.displacement.sum));
+    if (task.moves_reference) {
+      sum += part.displacement.sum.cast<double>();
+    }
   }
   std::vector<double> values;
   for (Eigen::Index vertex = 0; vertex < reference->vertices.cols(); ++vertex) {
@@ -67,7 +70,8 @@ absl::StatusOr<TaskResult> RunSummarizeTask(const Task& task, const TaskContext&
   }
   TriangleMesh mean_shape = *reference;
   if (task.moves_reference) {
-    mean_shape.vertices = MoveByMeanDisplacement(reference->vertices, sums, summary.mesh_count);
+    mean_shape.vertices =
+        MoveByMeanDisplacement(reference->vertices, std::span(&sum, 1), summary.mesh_count);
   }
   const std::string summary_blob = EncodeSummaryBlob(summary);
   const std::string mean_blob = EncodeRawMeshBlob(mean_shape);

@@ -56,7 +56,7 @@ VariationPart SomeVariation() {
   part.meshes = {4, 6};
   part.distances = Eigen::MatrixXf::Random(3, 2);
   part.displacement.mesh_count = 2;
-  part.displacement.sum = Eigen::Matrix3Xd::Random(3, 3);
+  part.displacement.sum = Eigen::Matrix3Xf::Random(3, 3);
   return part;
 }
 
@@ -86,7 +86,7 @@ Kind MakeKind(const std::string& name,
 }
 
 std::vector<Kind> AllKinds() {
-  const DisplacementSum displacement{.mesh_count = 2, .sum = Eigen::Matrix3Xd::Random(3, 4)};
+  const DisplacementSum displacement{.mesh_count = 2, .sum = Eigen::Matrix3Xf::Random(3, 4)};
   return {MakeKind("alignment", SomeAlignments(), EncodeAlignmentBlob, DecodeAlignmentBlob),
           MakeKind("displacement", displacement, EncodeDisplacementBlob, DecodeDisplacementBlob),
           MakeKind("tile", SomeTile(), EncodeTileBlob, DecodeTileBlob),
@@ -235,7 +235,7 @@ TEST(VariationBlob, DoesWithoutASum) {
 
 TEST(VariationBlob, RefusesASumOfOtherVertices) {
   VariationPart part = SomeVariation();
-  part.displacement.sum = Eigen::Matrix3Xd::Zero(3, 2);
+  part.displacement.sum = Eigen::Matrix3Xf::Zero(3, 2);
   EXPECT_THAT(DecodeVariationBlob(EncodeVariationBlob(part)),
               StatusIs(kDataLoss, "has 2 displacements of 3 vertices"));
 }
@@ -248,7 +248,7 @@ TEST(SummaryBlob, KeepsEveryNumber) {
 }
 
 TEST(DisplacementBlob, RefusesANegativeCount) {
-  const DisplacementSum displacement{.mesh_count = -1, .sum = Eigen::Matrix3Xd::Zero(3, 1)};
+  const DisplacementSum displacement{.mesh_count = -1, .sum = Eigen::Matrix3Xf::Zero(3, 1)};
   EXPECT_THAT(DecodeDisplacementBlob(EncodeDisplacementBlob(displacement)),
               StatusIs(kDataLoss, "mesh count is -1"));
 }

@@ -32,19 +32,19 @@ std::string OutputsOf(const JobSpec& spec) {
 // kResultsVersion (common/jobs/action_key.h), so that results of earlier builds are not mixed with
 // new ones, and write the new names here.
 TEST(ResultsVersion, GrowsWheneverTheBytesOfResultsChange) {
-  EXPECT_EQ(kResultsVersion, 3);
+  EXPECT_EQ(kResultsVersion, 4);
   JobSpec average = testing::QuickSpec(Method::kAverage);
   average.preview = true;
   average.compare.retention = Retention::kVectors;
-  EXPECT_EQ(OutputsOf(average), "8de5c3ff147a7dfe");
+  EXPECT_EQ(OutputsOf(average), "4a2bc5422485cdc4");
   JobSpec one = testing::QuickSpec(Method::kOne);
   one.compare.retention = Retention::kSketch;
   one.icp.correspondence = Correspondence::kSurface;
   one.compare.correspondence = Correspondence::kSurface;
-  EXPECT_EQ(OutputsOf(one), "49ea6ba8ac00e5f0");
+  EXPECT_EQ(OutputsOf(one), "71bd3ef9621e294f");
   JobSpec each = testing::QuickSpec(Method::kEach);
   each.compare.retention = Retention::kCompact;
-  EXPECT_EQ(OutputsOf(each), "9d066af9ba154cc6");
+  EXPECT_EQ(OutputsOf(each), "38110ddec66691ee");
   EXPECT_EQ(OutputsOf(FidentisSpec(Method::kAverage)), "3c112cf13a605ca3");
 }
 
