@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include <absl/synchronization/mutex.h>
 #include <grpc/grpc.h>
 #include <grpcpp/create_channel.h>
 #include <grpcpp/security/credentials.h>
@@ -34,6 +35,9 @@ void KeepGrpcRunning() {
     // gRPC looks after it only this often. Its own 5 s would cost a worker the leases that a
     // restarted server holds for it.
     setenv("GRPC_CLIENT_CHANNEL_BACKUP_POLL_INTERVAL_MS", "200", 0);
+    // Debian's libabsl is a debug build: it would look for deadlocks among gRPC's mutexes, behind
+    // one lock for all threads, each time that one is taken.
+    absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
     grpc_init();
     return true;
   }();

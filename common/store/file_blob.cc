@@ -12,6 +12,8 @@
 #include <string>
 #include <utility>
 
+#include <absl/strings/str_cat.h>
+
 #include "common/base/status_macros.h"
 #include "common/store/blob_damage.h"
 #include "common/store/install_blob.h"
@@ -153,9 +155,11 @@ absl::StatusOr<std::unique_ptr<FileBlobWriter>> StartWriter(const fs::path& root
 /// random bits for machines that share the root over a network.
 std::string UniqueName() {
   static std::atomic<int64_t> count{0};
-  std::random_device random;
-  return std::to_string(::getpid()) + "-" + std::to_string(count++) + "-" +
-         std::to_string((static_cast<uint64_t>(random()) << 32) | random());
+  static const uint64_t drawn = [] {
+    std::random_device random;
+    return (static_cast<uint64_t>(random()) << 32) | random();
+  }();
+  return absl::StrCat(::getpid(), "-", count++, "-", drawn);
 }
 
 }  // namespace
