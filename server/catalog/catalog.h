@@ -145,9 +145,12 @@ class Catalog {
   /// is. Of several completions of one job, the last tells the job's row; a result replaces what
   /// was remembered under its action key.
   /// @param now_unix_ms  when the results were made, for ForgetActions.
+  /// @param grants, jobs  as SaveGrants, of other tasks and other jobs; in the same transaction.
   /// @return kNotFound naming the job that is missing.
   [[nodiscard]] absl::Status SaveCompletions(std::span<const Completion> completions,
-                                             int64_t now_unix_ms);
+                                             int64_t now_unix_ms,
+                                             std::span<const JobTask> grants = {},
+                                             std::span<const Job> jobs = {});
   static constexpr int64_t kAnyTime = -1;
   /// Results remembered under any of `keys`; keys that are not known are left out.
   /// @param created_after_unix_ms  only results made later than that.

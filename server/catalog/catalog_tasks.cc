@@ -224,9 +224,13 @@ absl::Status Catalog::VisitTasks(const JobId& job,
 }
 
 absl::Status Catalog::SaveCompletions(std::span<const Completion> completions,
-                                      int64_t now_unix_ms) {
-  return database_->Write(
-      [&](CatalogSession& sql) { return InsertCompletions(sql, completions, now_unix_ms); });
+                                      int64_t now_unix_ms,
+                                      std::span<const JobTask> grants,
+                                      std::span<const Job> jobs) {
+  return database_->Write([&](CatalogSession& sql) {
+    COHORT_RETURN_IF_ERROR(InsertCompletions(sql, completions, now_unix_ms));
+    return UpsertTasks(sql, grants, jobs);
+  });
 }
 
 absl::StatusOr<std::map<std::string, TaskResult>> Catalog::FindActions(

@@ -46,6 +46,12 @@ struct CoordinatorOptions {
   GarbageOptions garbage = {};  ///< Where nobody asks for others.
 };
 
+/// What a result that carries the worker's next report is answered.
+struct CompletionAnswer {
+  bool taken = false;                  ///< As Coordinator::CompleteTask without a report.
+  std::optional<WorkerOrders> orders;  ///< None: Synchronize tells the worker why.
+};
+
 /// Hears of every change of a job. Called without any lock held, possibly from several threads.
 class JobObserver {
  public:
@@ -138,6 +144,14 @@ class Coordinator {
   [[nodiscard]] absl::StatusOr<bool> CompleteTask(const WorkerId& worker,
                                                   const Lease& lease,
                                                   const TaskResult& result);
+  /// Both in one: CompleteTask, then Synchronize without a wait. What is granted is written with
+  /// the result if it does not depend on it.
+  [[nodiscard]] absl::StatusOr<CompletionAnswer> CompleteTask(
+      const WorkerId& worker,
+      const Lease& lease,
+      const TaskResult& result,
+      const WorkerReport& next,
+      const std::function<bool()>& is_cancelled);
   [[nodiscard]] absl::Status ReleaseTask(const WorkerId& worker, const Lease& lease);
   /// A task that fails too often is given up; the job goes on with the others and fails once
   /// nothing is left that could be done. Two failures are not the task's and do not count: the
@@ -171,13 +185,6 @@ class Coordinator {
   [[nodiscard]] ManagedBlobStore& Store() { return store_; }
 
  private:
-  /// A result that waits for the lock, with those of other calls.
-  struct QueuedCompletion {
-    const WorkerId& worker;
-    const Lease& lease;
-    const TaskResult& result;
-    std::optional<absl::StatusOr<bool>> outcome;
-  };
   /// What was asked for when a job was created.
   struct JobRequest {
     const std::string& set;
@@ -191,6 +198,14 @@ class Coordinator {
     WorkerOrders orders;
     absl::Status status;
     bool is_answered = false;
+  };
+  /// A result that waits for the lock, with those of other calls.
+  struct QueuedCompletion {
+    const WorkerId& worker;
+    const Lease& lease;
+    const TaskResult& result;
+    QueuedReport* next = nullptr;  ///< Answered too, if that can be done at once.
+    std::optional<absl::StatusOr<bool>> outcome = std::nullopt;
   };
   /// What granted tasks change in the catalog.
   struct GrantWrite {
@@ -268,15 +283,31 @@ class Coordinator {
   /// What the worker's free slots take; for its spare ones only while there is plenty.
   std::vector<Lease> GrantTasks(const WorkerReport& report, MonotonicTime now)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Renews what the worker holds, and takes what it says of itself.
+  void TakeReport(QueuedReport& queued, MonotonicTime now, std::vector<TaskId>& given_up)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Takes back what was granted to a call that fails.
+  void WithdrawGrants(const QueuedReport& queued, MonotonicTime now)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Puts a lease that was granted into the worker's orders.
   void AddGrant(const Lease& lease, QueuedReport& queued, GrantWrite& write)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  [[nodiscard]] std::vector<Job> JobsOf(const GrantWrite& write) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// When the worker is to call again.
   [[nodiscard]] double NextSyncSeconds(const QueuedReport& queued) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::StatusOr<bool> QueueCompletion(QueuedCompletion& queued);
   /// Takes in every result in the queue, as one transaction.
   void TakeCompletions() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  /// What the catalog is to write of the result of an open task.
+  /// Grants tasks to those who bring `results`, before these are taken in.
+  GrantWrite GrantWithResults(std::span<QueuedCompletion* const> results, MonotonicTime now)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  [[nodiscard]] bool MayHaveTasks(const QueuedReport& queued) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// The rest of the answer to a report that GrantWithResults has granted tasks to.
+  void AnswerNext(QueuedReport& queued, MonotonicTime now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// What the catalog is to write of the result of an open task, but for the job's row.
   /// @return kInvalidArgument if it does not fit the task.
   absl::StatusOr<Completion> CompletionOf(const QueuedCompletion& queued)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

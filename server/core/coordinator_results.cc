@@ -62,10 +62,37 @@ ActiveJob* Coordinator::FindOpen(const TaskId& task) {
 absl::StatusOr<bool> Coordinator::CompleteTask(const WorkerId& worker,
                                                const Lease& lease,
                                                const TaskResult& result) {
+  QueuedCompletion queued{.worker = worker, .lease = lease, .result = result};
+  return QueueCompletion(queued);
+}
+
+absl::StatusOr<CompletionAnswer> Coordinator::CompleteTask(
+    const WorkerId& worker,
+    const Lease& lease,
+    const TaskResult& result,
+    const WorkerReport& next,
+    const std::function<bool()>& is_cancelled) {
+  WorkerReport report = next;
+  report.wait_seconds = 0;
+  QueuedReport queued_next{
+      .report = report, .is_cancelled = is_cancelled, .orders = {}, .status = {}};
+  QueuedCompletion queued{.worker = worker, .lease = lease, .result = result, .next = &queued_next};
+  CompletionAnswer answer;
+  COHORT_ASSIGN_OR_RETURN(answer.taken, QueueCompletion(queued));
+  if (!queued_next.is_answered) {
+    absl::StatusOr<WorkerOrders> orders = Synchronize(report, is_cancelled);
+    if (orders.ok()) {
+      answer.orders = *std::move(orders);
+    }
+  } else if (queued_next.status.ok()) {
+    answer.orders = std::move(queued_next.orders);
+  }
+  return answer;
+}
+
+absl::StatusOr<bool> Coordinator::QueueCompletion(QueuedCompletion& queued) {
   const MonotonicTime called = clock_.Now();
-  COHORT_RETURN_IF_ERROR(CheckOutputs(result));
-  QueuedCompletion queued{
-      .worker = worker, .lease = lease, .result = result, .outcome = std::nullopt};
+  COHORT_RETURN_IF_ERROR(CheckOutputs(queued.result));
   std::vector<Job> changes;
   {
     const MutexLock lock(queue_mutex_);
@@ -118,11 +145,22 @@ void Coordinator::TakeCompletions() {
   if (wanted.empty()) {
     return;
   }
-  const absl::Status saved = catalog_.SaveCompletions(writes, WallMs());
+  const MonotonicTime now = clock_.Now();
+  GrantWrite grants = GrantWithResults(wanted, now);
+  for (Completion& write : writes) {
+    write.job = active_.at(write.job.id).job;
+    ++write.job.version;
+    grants.jobs.erase(write.job.id);
+  }
+  const absl::Status saved =
+      catalog_.SaveCompletions(writes, WallMs(), grants.tasks, JobsOf(grants));
   std::set<JobId> jobs;
   for (QueuedCompletion* queued : wanted) {
     if (!saved.ok()) {
       queued->outcome = saved;
+      if (queued->next != nullptr) {
+        WithdrawGrants(*queued->next, now);
+      }
       continue;
     }
     // On disk: from here on memory follows, and nothing below can undo it.
@@ -137,6 +175,15 @@ void Coordinator::TakeCompletions() {
                     std::string(advanced.message()));
     }
   }
+  for (QueuedCompletion* queued : wanted) {
+    if (saved.ok() && queued->next != nullptr && !queued->next->orders.grants.empty()) {
+      AnswerNext(*queued->next, now);
+    }
+  }
+  if (!grants.tasks.empty()) {
+    NoteLost();
+    NoteReady(now, std::ssize(grants.tasks));
+  }
 }
 
 absl::StatusOr<Completion> Coordinator::CompletionOf(const QueuedCompletion& queued) {
@@ -145,8 +192,7 @@ absl::StatusOr<Completion> Coordinator::CompletionOf(const QueuedCompletion& que
   COHORT_RETURN_IF_ERROR(active.plan->Check(number, queued.result));
   Completion completion;
   NoteStage(active.plan->StageOf(number), active.job);
-  completion.job = active.job;
-  ++completion.job.version;
+  completion.job.id = active.job.id;
   completion.task = RecordOf(number, scheduler_.AttemptsOf(queued.lease.task));
   completion.task.result = queued.result;
   completion.task.worker = queued.worker.value;

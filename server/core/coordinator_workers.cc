@@ -19,6 +19,7 @@ namespace {
 constexpr std::chrono::milliseconds kWaitStep(250);
 /// A worker without work that may not wait here calls again after this for each hundred workers.
 constexpr double kIdleSecondsPerHundred = 0.5;
+constexpr char kLostTooOften[] = " was lost with too many workers; see their logs (out of memory?)";
 /// A worker silent for this many lease times is no longer listed.
 constexpr double kListedLeaseTimes = 10;
 
@@ -84,20 +85,14 @@ void Coordinator::AnswerReports() {
   std::vector<TaskId> given_up = scheduler_.Expire(now);
   GrantWrite write;
   for (QueuedReport* queued : batch) {
-    queued->is_answered = true;
     queued->orders = {};
-    queued->orders.lease_seconds = options_.scheduler.lease_seconds;
-    NoteWorker(queued->report, now);
-    Renewal renewal = scheduler_.Renew(queued->report.worker, queued->report.held, now);
-    queued->orders.lost = std::move(renewal.lost);
-    queued->orders.is_wedged = renewal.is_wedged;
-    given_up.insert(given_up.end(), renewal.given_up.begin(), renewal.given_up.end());
+    TakeReport(*queued, now, given_up);
     if (queued->is_cancelled()) {
       queued->status =
           absl::CancelledError(absl::StrCat("worker ", queued->report.worker.value, " has gone"));
       continue;
     }
-    if (!stopping_ && no_space_.empty() && !queued->report.draining && !renewal.is_wedged) {
+    if (MayHaveTasks(*queued) && !queued->orders.is_wedged) {
       for (const Lease& lease : GrantTasks(queued->report, now)) {
         AddGrant(lease, *queued, write);
       }
@@ -105,24 +100,86 @@ void Coordinator::AnswerReports() {
   }
   NoteLost();
   NoteReady(now, std::ssize(write.tasks));
-  absl::Status saved = GiveUp(given_up,
-                              " was lost with too many workers; see their logs (out of "
-                              "memory?)");
+  absl::Status saved = GiveUp(given_up, kLostTooOften);
   if (saved.ok() && !write.tasks.empty()) {
-    std::vector<Job> jobs;
-    for (const JobId& id : write.jobs) {
-      jobs.push_back(active_.at(id).job);
-    }
-    saved = catalog_.SaveGrants(write.tasks, jobs);
+    saved = catalog_.SaveGrants(write.tasks, JobsOf(write));
   }
   if (!saved.ok()) {
     for (QueuedReport* queued : batch) {
-      for (const GrantedTask& granted : queued->orders.grants) {
-        scheduler_.Release(granted.lease, now);
-      }
+      WithdrawGrants(*queued, now);
       queued->status = saved;
     }
   }
+}
+
+void Coordinator::TakeReport(QueuedReport& queued,
+                             MonotonicTime now,
+                             std::vector<TaskId>& given_up) {
+  queued.is_answered = true;
+  queued.orders.lease_seconds = options_.scheduler.lease_seconds;
+  NoteWorker(queued.report, now);
+  Renewal renewal = scheduler_.Renew(queued.report.worker, queued.report.held, now);
+  queued.orders.lost = std::move(renewal.lost);
+  queued.orders.is_wedged = renewal.is_wedged;
+  given_up.insert(given_up.end(), renewal.given_up.begin(), renewal.given_up.end());
+}
+
+bool Coordinator::MayHaveTasks(const QueuedReport& queued) const {
+  return !stopping_ && no_space_.empty() && !queued.report.draining;
+}
+
+void Coordinator::WithdrawGrants(const QueuedReport& queued, MonotonicTime now) {
+  for (const GrantedTask& granted : queued.orders.grants) {
+    scheduler_.Release(granted.lease, now);
+  }
+}
+
+Coordinator::GrantWrite Coordinator::GrantWithResults(std::span<QueuedCompletion* const> results,
+                                                      MonotonicTime now) {
+  GrantWrite write;
+  for (const QueuedCompletion* result : results) {
+    // A task that has come back from a silent worker, whose result comes all the same, must not be
+    // given out again.
+    if (!scheduler_.LeaseOf(result->lease.task)) {
+      return write;
+    }
+  }
+  for (const QueuedCompletion* result : results) {
+    QueuedReport* next = result->next;
+    if (next == nullptr || next->report.build != options_.build || !MayHaveTasks(*next) ||
+        next->is_cancelled()) {
+      continue;
+    }
+    // With fewer tasks the answer may follow from the results: what they make ready, and what is
+    // worth a second copy.
+    const int wanted = next->report.free_slots + next->report.spare_slots;
+    if (wanted == 0 || scheduler_.GrantableCount() < wanted) {
+      continue;
+    }
+    for (const Lease& lease : GrantTasks(next->report, now)) {
+      AddGrant(lease, *next, write);
+    }
+  }
+  return write;
+}
+
+void Coordinator::AnswerNext(QueuedReport& queued, MonotonicTime now) {
+  std::vector<TaskId> given_up;
+  TakeReport(queued, now, given_up);
+  queued.status = GiveUp(given_up, kLostTooOften);
+  if (queued.orders.is_wedged || !queued.status.ok()) {
+    WithdrawGrants(queued, now);
+    queued.orders.grants.clear();
+  }
+  queued.orders.next_sync_seconds = NextSyncSeconds(queued);
+}
+
+std::vector<Job> Coordinator::JobsOf(const GrantWrite& write) const {
+  std::vector<Job> jobs;
+  for (const JobId& id : write.jobs) {
+    jobs.push_back(active_.at(id).job);
+  }
+  return jobs;
 }
 
 void Coordinator::NoteWorker(const WorkerReport& report, MonotonicTime now) {
@@ -188,8 +245,7 @@ absl::Status Coordinator::Tick() {
     NoteSpace(space);
     status = TakeUpStanding();
     const MonotonicTime now = clock_.Now();
-    status.Update(GiveUp(scheduler_.Expire(now),
-                         " was lost with too many workers; see their logs (out of memory?)"));
+    status.Update(GiveUp(scheduler_.Expire(now), kLostTooOften));
     for (auto& [id, active] : active_) {
       if (!IsFinal(active.job.state)) {
         status.Update(Advance(active));

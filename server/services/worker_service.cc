@@ -62,20 +62,25 @@ grpc::Status WorkerServiceSkin::CompleteTask(grpc::ServerContext* context,
   if (!result.ok()) {
     return ToGrpcStatus(result.status());
   }
-  const absl::StatusOr<bool> taken =
-      coordinator_.CompleteTask(WorkerId{request->worker()}, FromProto(request->lease()), *result);
-  if (!taken.ok()) {
-    return ToGrpcStatus(taken.status());
-  }
-  response->set_superseded(!*taken);
-  if (request->has_report()) {
-    WorkerReport report = ReportFromProto(request->report());
-    report.wait_seconds = 0;
-    const absl::StatusOr<WorkerOrders> orders =
-        coordinator_.Synchronize(report, [context] { return context->IsCancelled(); });
-    if (orders.ok()) {  // The result is taken in any case; Synchronize tells the worker why not.
-      OrdersToProto(*orders, *response->mutable_orders());
+  const WorkerId worker{request->worker()};
+  const Lease lease = FromProto(request->lease());
+  if (!request->has_report()) {
+    const absl::StatusOr<bool> taken = coordinator_.CompleteTask(worker, lease, *result);
+    if (!taken.ok()) {
+      return ToGrpcStatus(taken.status());
     }
+    response->set_superseded(!*taken);
+    return grpc::Status::OK;
+  }
+  const absl::StatusOr<CompletionAnswer> answer =
+      coordinator_.CompleteTask(worker, lease, *result, ReportFromProto(request->report()),
+                                [context] { return context->IsCancelled(); });
+  if (!answer.ok()) {
+    return ToGrpcStatus(answer.status());
+  }
+  response->set_superseded(!answer->taken);
+  if (answer->orders) {
+    OrdersToProto(*answer->orders, *response->mutable_orders());
   }
   return grpc::Status::OK;
 }
