@@ -1,5 +1,6 @@
 #include "server/server.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -176,6 +177,9 @@ absl::Status Server::Listen(const ServerOptions& options) {
     COHORT_ASSIGN_OR_RETURN(const std::string address, NormalizeAddress(options.listen[i]));
     builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &ports[i]);
     normalized.push_back(address);
+  }
+  if (std::all_of(normalized.begin(), normalized.end(), IsLocalSocket)) {
+    builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   }
   builder.RegisterService(&services_->mesh);
   builder.RegisterService(&services_->job);

@@ -29,6 +29,10 @@ absl::StatusOr<std::string> NormalizeAddress(const std::string& address) {
   return address;
 }
 
+bool IsLocalSocket(const std::string& normalized_address) {
+  return normalized_address.rfind("unix:", 0) == 0;
+}
+
 void KeepGrpcRunning() {
   static const bool started = [] {
     // A call that fails because the server is away leaves nobody who waits for the next connection:
@@ -55,6 +59,7 @@ std::shared_ptr<grpc::Channel> OpenChannel(const std::string& normalized_address
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 10'000);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 200);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2'000);
+  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, IsLocalSocket(normalized_address) ? 0 : 1);
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
   arguments.SetMaxSendMessageSize(kMaxMessageBytes);
   // Proxy settings of the environment are for web pages, not for a cluster's own servers.

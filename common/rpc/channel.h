@@ -26,6 +26,10 @@ inline constexpr double kUnaryDeadlineSeconds = 30;
 /// tears it down and waits for its poller, up to 10 s in 1.51.
 void KeepGrpcRunning();
 
+/// Whether the address is a socket file. gRPC's probes of the bandwidth (GRPC_ARG_HTTP2_BDP_PROBE)
+/// would only cost there: a ping with every message.
+[[nodiscard]] bool IsLocalSocket(const std::string& normalized_address);
+
 /// Every call has a deadline.
 void SetDeadline(grpc::ClientContext& context, double seconds);
 

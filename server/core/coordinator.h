@@ -281,7 +281,8 @@ class Coordinator {
   void NoteWorker(const WorkerReport& report, MonotonicTime now)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// What the worker's free slots take; for its spare ones only while there is plenty.
-  std::vector<Lease> GrantTasks(const WorkerReport& report, MonotonicTime now)
+  /// @param ending  tasks that are out and whose results are being taken in.
+  std::vector<Lease> GrantTasks(const WorkerReport& report, int64_t ending, MonotonicTime now)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Renews what the worker holds, and takes what it says of itself.
   void TakeReport(QueuedReport& queued, MonotonicTime now, std::vector<TaskId>& given_up)

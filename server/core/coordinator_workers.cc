@@ -93,7 +93,7 @@ void Coordinator::AnswerReports() {
       continue;
     }
     if (MayHaveTasks(*queued) && !queued->orders.is_wedged) {
-      for (const Lease& lease : GrantTasks(queued->report, now)) {
+      for (const Lease& lease : GrantTasks(queued->report, 0, now)) {
         AddGrant(lease, *queued, write);
       }
     }
@@ -156,7 +156,7 @@ Coordinator::GrantWrite Coordinator::GrantWithResults(std::span<QueuedCompletion
     if (wanted == 0 || scheduler_.GrantableCount() < wanted) {
       continue;
     }
-    for (const Lease& lease : GrantTasks(next->report, now)) {
+    for (const Lease& lease : GrantTasks(next->report, std::ssize(results), now)) {
       AddGrant(lease, *next, write);
     }
   }
@@ -169,8 +169,10 @@ void Coordinator::AnswerNext(QueuedReport& queued, MonotonicTime now) {
   queued.status = GiveUp(given_up, kLostTooOften);
   if (queued.orders.is_wedged || !queued.status.ok()) {
     WithdrawGrants(queued, now);
-    queued.orders.grants.clear();
   }
+  // The results may have ended the job of some.
+  std::erase_if(queued.orders.grants,
+                [&](const GrantedTask& granted) { return !scheduler_.IsCurrent(granted.lease); });
   queued.orders.next_sync_seconds = NextSyncSeconds(queued);
 }
 
@@ -200,9 +202,12 @@ void Coordinator::NoteWorker(const WorkerReport& report, MonotonicTime now) {
   last_seen_[report.worker] = now;
 }
 
-std::vector<Lease> Coordinator::GrantTasks(const WorkerReport& report, MonotonicTime now) {
+std::vector<Lease> Coordinator::GrantTasks(const WorkerReport& report,
+                                           int64_t ending,
+                                           MonotonicTime now) {
   // Near the end of a stage a task held ready by one worker is missing to another.
-  const bool plenty = scheduler_.GrantableCount() - report.free_slots > scheduler_.LeasedCount();
+  const bool plenty =
+      scheduler_.GrantableCount() - report.free_slots > scheduler_.LeasedCount() - ending;
   const int count = report.free_slots + (plenty ? report.spare_slots : 0);
   return scheduler_.Grant(report.worker, count, now);
 }
