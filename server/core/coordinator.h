@@ -301,6 +301,13 @@ class Coordinator {
   absl::StatusOr<bool> QueueCompletion(QueuedCompletion& queued);
   /// Takes in every result in the queue, as one transaction.
   void TakeCompletions() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Keeps those of `batch` that are to be taken, and answers the others.
+  /// @return what the catalog is to write of them, in their order.
+  std::vector<Completion> WhatIsWanted(std::vector<QueuedCompletion*>& batch)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Results that have been written, with what GrantWithResults has granted.
+  void TakeIn(std::span<QueuedCompletion* const> results, MonotonicTime now)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Grants tasks to those who bring `results`, before these are taken in.
   GrantWrite GrantWithResults(std::span<QueuedCompletion* const> results, MonotonicTime now)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

@@ -117,10 +117,39 @@ void Coordinator::TakeCompletions() {
     const MutexLock lock(queue_mutex_);
     batch.swap(completions_);
   }
+  std::vector<Completion> writes = WhatIsWanted(batch);
+  if (batch.empty()) {
+    return;
+  }
+  const MonotonicTime now = clock_.Now();
+  GrantWrite grants = GrantWithResults(batch, now);
+  for (Completion& write : writes) {
+    write.job = active_.at(write.job.id).job;
+    ++write.job.version;
+    grants.jobs.erase(write.job.id);
+  }
+  const absl::Status saved =
+      catalog_.SaveCompletions(writes, WallMs(), grants.tasks, JobsOf(grants));
+  if (saved.ok()) {
+    TakeIn(batch, now);
+  } else {
+    for (QueuedCompletion* queued : batch) {
+      queued->outcome = saved;
+      if (queued->next != nullptr) {
+        WithdrawGrants(*queued->next, now);
+      }
+    }
+  }
+  if (!grants.tasks.empty()) {
+    NoteLost();
+    NoteReady(now, std::ssize(grants.tasks));
+  }
+}
+
+std::vector<Completion> Coordinator::WhatIsWanted(std::vector<QueuedCompletion*>& batch) {
   std::vector<Completion> writes;
-  std::vector<QueuedCompletion*> wanted;
   std::set<TaskId> seen;
-  for (QueuedCompletion* queued : batch) {
+  std::erase_if(batch, [&](QueuedCompletion* queued) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     queued->outcome = false;
     const ActiveJob* open = FindOpen(queued->lease.task);
     // Of a job that was started over only the holder's result counts: a lease of the earlier plan
@@ -132,38 +161,23 @@ void Coordinator::TakeCompletions() {
       spdlog::info("event=result_superseded job={} task={} epoch={} worker={}",
                    queued->lease.task.job.value, queued->lease.task.number, queued->lease.epoch,
                    queued->worker.value);
-      continue;
+      return true;
     }
     absl::StatusOr<Completion> completion = CompletionOf(*queued);
     if (!completion.ok()) {
       queued->outcome = completion.status();
-      continue;
+      return true;
     }
     writes.push_back(*std::move(completion));
-    wanted.push_back(queued);
-  }
-  if (wanted.empty()) {
-    return;
-  }
-  const MonotonicTime now = clock_.Now();
-  GrantWrite grants = GrantWithResults(wanted, now);
-  for (Completion& write : writes) {
-    write.job = active_.at(write.job.id).job;
-    ++write.job.version;
-    grants.jobs.erase(write.job.id);
-  }
-  const absl::Status saved =
-      catalog_.SaveCompletions(writes, WallMs(), grants.tasks, JobsOf(grants));
+    return false;
+  });
+  return writes;
+}
+
+void Coordinator::TakeIn(std::span<QueuedCompletion* const> results, MonotonicTime now) {
+  // On disk: from here on memory follows, and nothing below can undo it.
   std::set<JobId> jobs;
-  for (QueuedCompletion* queued : wanted) {
-    if (!saved.ok()) {
-      queued->outcome = saved;
-      if (queued->next != nullptr) {
-        WithdrawGrants(*queued->next, now);
-      }
-      continue;
-    }
-    // On disk: from here on memory follows, and nothing below can undo it.
+  for (QueuedCompletion* queued : results) {
     queued->outcome = true;
     Apply(*queued);
     jobs.insert(queued->lease.task.job);
@@ -175,14 +189,10 @@ void Coordinator::TakeCompletions() {
                     std::string(advanced.message()));
     }
   }
-  for (QueuedCompletion* queued : wanted) {
-    if (saved.ok() && queued->next != nullptr && !queued->next->orders.grants.empty()) {
+  for (const QueuedCompletion* queued : results) {
+    if (queued->next != nullptr && !queued->next->orders.grants.empty()) {
       AnswerNext(*queued->next, now);
     }
-  }
-  if (!grants.tasks.empty()) {
-    NoteLost();
-    NoteReady(now, std::ssize(grants.tasks));
   }
 }
 

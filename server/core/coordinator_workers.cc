@@ -170,9 +170,13 @@ void Coordinator::AnswerNext(QueuedReport& queued, MonotonicTime now) {
   if (queued.orders.is_wedged || !queued.status.ok()) {
     WithdrawGrants(queued, now);
   }
-  // The results may have ended the job of some.
-  std::erase_if(queued.orders.grants,
-                [&](const GrantedTask& granted) { return !scheduler_.IsCurrent(granted.lease); });
+  std::vector<GrantedTask> granted = std::move(queued.orders.grants);
+  queued.orders.grants.clear();
+  for (GrantedTask& grant : granted) {
+    if (scheduler_.IsCurrent(grant.lease)) {  // Else a result has ended its job.
+      queued.orders.grants.push_back(std::move(grant));
+    }
+  }
   queued.orders.next_sync_seconds = NextSyncSeconds(queued);
 }
 
