@@ -44,22 +44,30 @@ absl::StatusOr<WorkerOrders> Coordinator::Synchronize(const WorkerReport& report
   std::vector<Job> changes;
   const MonotonicTime called = clock_.Now();
   double waited_seconds = 0;  // For a task; not for the server.
-  while (true) {
+  const auto enqueue = [&] {
     queued.is_answered = false;
-    {
-      const MutexLock lock(queue_mutex_);
-      reports_.push_back(&queued);
-    }
+    const MutexLock lock(queue_mutex_);
+    reports_.push_back(&queued);
+  };
+  const auto wants_work = [&] {
+    return report.free_slots > 0 && !report.draining && queued.orders.grants.empty() &&
+           queued.orders.lost.empty() && !queued.orders.is_wedged;
+  };
+  while (true) {
+    enqueue();
     const MutexLock lock(mutex_);
+    if (queued.is_answered && queued.status.ok() && wants_work()) {
+      // By another call, before this one had the lock: what has become ready since then would not
+      // wake this one.
+      enqueue();
+    }
     if (!queued.is_answered) {
       AnswerReports();
     }
     std::vector<Job> more = TakeChanges();
     changes.insert(changes.end(), more.begin(), more.end());
     const MonotonicTime now = clock_.Now();
-    const bool wants_work = report.free_slots > 0 && !report.draining &&
-                            queued.orders.grants.empty() && queued.orders.lost.empty();
-    if (!queued.status.ok() || !wants_work || stopping_ || now >= deadline ||
+    if (!queued.status.ok() || !wants_work() || stopping_ || now >= deadline ||
         waiting_ >= options_.most_waiting) {
       queued.orders.next_sync_seconds = NextSyncSeconds(queued);
       break;
