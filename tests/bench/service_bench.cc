@@ -28,7 +28,7 @@ constexpr int kThreads = 2;
 constexpr double kLeastShare = 0.8;
 constexpr double kLeastGain = 1.85;
 constexpr int kServiceRounds = 7;
-constexpr int kWorkersRounds = 5;
+constexpr int kWorkersRounds = 9;
 
 /// What one job through the service took.
 struct ServiceRun {
