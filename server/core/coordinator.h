@@ -311,6 +311,9 @@ class Coordinator {
   /// Grants tasks to those who bring `results`, before these are taken in.
   GrantWrite GrantWithResults(std::span<QueuedCompletion* const> results, MonotonicTime now)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// There is nothing to tell the worker yet, and it may wait here for a task.
+  [[nodiscard]] bool MayWait(const QueuedReport& queued) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   [[nodiscard]] bool MayHaveTasks(const QueuedReport& queued) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// The rest of the answer to a report that GrantWithResults has granted tasks to.

@@ -49,16 +49,12 @@ absl::StatusOr<WorkerOrders> Coordinator::Synchronize(const WorkerReport& report
     const MutexLock lock(queue_mutex_);
     reports_.push_back(&queued);
   };
-  const auto wants_work = [&] {
-    return report.free_slots > 0 && !report.draining && queued.orders.grants.empty() &&
-           queued.orders.lost.empty() && !queued.orders.is_wedged;
-  };
   while (true) {
     enqueue();
     const MutexLock lock(mutex_);
-    if (queued.is_answered && queued.status.ok() && wants_work()) {
-      // By another call, before this one had the lock: what has become ready since then would not
-      // wake this one.
+    if (queued.is_answered && clock_.Now() < deadline && MayWait(queued)) {
+      // Answered by another call, before this one had the lock: what has become ready since then
+      // would not wake it.
       enqueue();
     }
     if (!queued.is_answered) {
@@ -67,8 +63,7 @@ absl::StatusOr<WorkerOrders> Coordinator::Synchronize(const WorkerReport& report
     std::vector<Job> more = TakeChanges();
     changes.insert(changes.end(), more.begin(), more.end());
     const MonotonicTime now = clock_.Now();
-    if (!queued.status.ok() || !wants_work() || stopping_ || now >= deadline ||
-        waiting_ >= options_.most_waiting) {
+    if (now >= deadline || !MayWait(queued)) {
       queued.orders.next_sync_seconds = NextSyncSeconds(queued);
       break;
     }
@@ -134,6 +129,13 @@ void Coordinator::TakeReport(QueuedReport& queued,
 
 bool Coordinator::MayHaveTasks(const QueuedReport& queued) const {
   return !stopping_ && no_space_.empty() && !queued.report.draining;
+}
+
+bool Coordinator::MayWait(const QueuedReport& queued) const {
+  const WorkerOrders& orders = queued.orders;
+  const bool has_orders = !orders.grants.empty() || !orders.lost.empty() || orders.is_wedged;
+  return queued.status.ok() && !has_orders && queued.report.free_slots > 0 &&
+         !queued.report.draining && !stopping_ && waiting_ < options_.most_waiting;
 }
 
 void Coordinator::WithdrawGrants(const QueuedReport& queued, MonotonicTime now) {
