@@ -62,10 +62,14 @@ class Metrics(ProgramTest):
         deadline = time.monotonic() + 120
         while time.monotonic() < deadline:
             seen.append((self.read(page), self.read(worker_page)))
-            if seen[-1][0]['cohort_jobs_ended_total{state="succeeded"}'] == 1:
+            last, worker = seen[-1]
+            done = sum(value for name, value in last.items()
+                       if name.startswith("cohort_tasks_completed_total{"))
+            # The worker counts a task when it has heard that its result was taken.
+            if (last['cohort_jobs_ended_total{state="succeeded"}'] == 1 and
+                    worker["cohort_worker_tasks_completed_total"] == done):
                 break
             time.sleep(0.1)
-        last, worker = seen[-1]
         self.assertEqual(last['cohort_jobs_ended_total{state="succeeded"}'], 1, cohort(
             "status", job, "--server", socket).stdout)
         self.assertEqual(last["cohort_tasks_ready"] + last["cohort_tasks_leased"], 0)
@@ -73,11 +77,8 @@ class Metrics(ProgramTest):
         self.assertEqual(last["cohort_worker_slots"], 1)
         self.assertTrue(any(s["cohort_worker_slots_busy"] == 1 for _, s in seen) or
                         any(s["cohort_tasks_leased"] > 0 for s, _ in seen), "never at work")
-        done = sum(value for name, value in last.items()
-                   if name.startswith("cohort_tasks_completed_total{"))
         self.assertEqual(last["cohort_complete_task_seconds_count"], done)
         self.assertGreater(last["cohort_catalog_write_seconds_count"], 2)
-        worker = self.read(worker_page)
         self.assertEqual(worker["cohort_worker_tasks_completed_total"], done)
         self.assertGreater(worker["cohort_worker_cache_bytes"], 0)
         with self.assertRaises(urllib.error.HTTPError):
