@@ -195,6 +195,7 @@ class Coordinator {
   struct QueuedReport {
     const WorkerReport& report;
     const std::function<bool()>& is_cancelled;
+    MonotonicTime arrived;
     WorkerOrders orders;
     absl::Status status;
     bool is_answered = false;

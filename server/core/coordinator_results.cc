@@ -74,8 +74,11 @@ absl::StatusOr<CompletionAnswer> Coordinator::CompleteTask(
     const std::function<bool()>& is_cancelled) {
   WorkerReport report = next;
   report.wait_seconds = 0;
-  QueuedReport queued_next{
-      .report = report, .is_cancelled = is_cancelled, .orders = {}, .status = {}};
+  QueuedReport queued_next{.report = report,
+                           .is_cancelled = is_cancelled,
+                           .arrived = clock_.Now(),
+                           .orders = {},
+                           .status = {}};
   QueuedCompletion queued{.worker = worker, .lease = lease, .result = result, .next = &queued_next};
   CompletionAnswer answer;
   COHORT_ASSIGN_OR_RETURN(answer.taken, QueueCompletion(queued));

@@ -38,11 +38,15 @@ absl::StatusOr<WorkerOrders> Coordinator::Synchronize(const WorkerReport& report
                                       ": install the same version on both"),
         "BUILD_MISMATCH");
   }
-  const MonotonicTime deadline =
-      clock_.Now() + std::chrono::milliseconds(static_cast<int64_t>(report.wait_seconds * 1000));
-  QueuedReport queued{.report = report, .is_cancelled = is_cancelled, .orders = {}, .status = {}};
-  std::vector<Job> changes;
   const MonotonicTime called = clock_.Now();
+  const MonotonicTime deadline =
+      called + std::chrono::milliseconds(static_cast<int64_t>(report.wait_seconds * 1000));
+  QueuedReport queued{.report = report,
+                      .is_cancelled = is_cancelled,
+                      .arrived = called,
+                      .orders = {},
+                      .status = {}};
+  std::vector<Job> changes;
   double waited_seconds = 0;  // For a task; not for the server.
   const auto enqueue = [&] {
     queued.is_answered = false;
@@ -125,6 +129,10 @@ void Coordinator::TakeReport(QueuedReport& queued,
   queued.orders.lost = std::move(renewal.lost);
   queued.orders.is_wedged = renewal.is_wedged;
   given_up.insert(given_up.end(), renewal.given_up.begin(), renewal.given_up.end());
+  for (const Lease& lease : scheduler_.TakeBackUnheard(queued.report.worker, queued.arrived)) {
+    spdlog::info("event=grant_unheard worker={} job={} task={} epoch={}",
+                 queued.report.worker.value, lease.task.job.value, lease.task.number, lease.epoch);
+  }
 }
 
 bool Coordinator::MayHaveTasks(const QueuedReport& queued) const {

@@ -126,6 +126,7 @@ Renewal Scheduler::Renew(const WorkerId& worker,
       refuse(task.lease);
       continue;
     }
+    NoteHeard(worker, task.lease);
     expiries_.erase({copy->until, task.lease.task, copy->epoch});
     copy->until = LeaseEnd(now);
     expiries_.emplace(copy->until, task.lease.task, copy->epoch);
@@ -136,6 +137,21 @@ Renewal Scheduler::Renew(const WorkerId& worker,
     told_[worker] = std::move(told);
   }
   return renewal;
+}
+
+std::vector<Lease> Scheduler::TakeBackUnheard(const WorkerId& worker, MonotonicTime reported) {
+  std::vector<Lease> unheard;
+  if (const auto found = unheard_.find(worker); found != unheard_.end()) {
+    for (const auto& [lease, granted] : found->second) {
+      if (SecondsBetween(granted, reported) >= options_.unheard_seconds) {
+        unheard.push_back(lease);
+      }
+    }
+  }
+  for (const Lease& lease : unheard) {
+    DropCopy(lease, Entry::State::kReady);
+  }
+  return unheard;
 }
 
 CompletionVerdict Scheduler::Complete(const Lease& lease, MonotonicTime now) {

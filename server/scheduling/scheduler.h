@@ -27,6 +27,7 @@ struct SchedulerOptions {
   double retry_seconds = 1;    ///< Wait before the first retry of a failed task; doubles.
   double stall_seconds = 900;  ///< A task that does not get on for this long is taken back.
   double evict_seconds = 60;   ///< A worker that goes on with a task taken back is to end after it.
+  double unheard_seconds = 5;  ///< A worker that has not listed a grant by then never heard of it.
   double copy_factor = 2;      ///< A second copy runs of a task slower than this times the 95th
                                ///< percentile of its stage, when nothing else is left to do,
   double least_copy_seconds = 5;  ///< and slower than this.
@@ -95,6 +96,11 @@ class Scheduler {
   [[nodiscard]] Renewal Renew(const WorkerId& worker,
                               const std::vector<HeldTask>& held,
                               MonotonicTime now);
+  /// Takes back what `worker` was granted and has never listed, of grants older than
+  /// `unheard_seconds` when its last report arrived: the answer with the grant was lost. Neither a
+  /// failure nor a loss. To be called after Renew.
+  /// @param reported  when that report arrived; it may have waited since.
+  std::vector<Lease> TakeBackUnheard(const WorkerId& worker, MonotonicTime reported);
   /// A result has come; ends the task, and its other copy.
   CompletionVerdict Complete(const Lease& lease, MonotonicTime now);
   /// The worker gives the task back unfinished (drain). Not a failure. False if the lease is stale.
@@ -174,6 +180,10 @@ class Scheduler {
   /// ready without attempts needs no entry.
   void MoveTo(const TaskId& task, Entry::State state, MonotonicTime until = {});
   void AddCopy(const TaskId& task, Copy copy);
+  /// Takes a copy out of every index of copies.
+  void RemoveFromIndexes(const TaskId& task, const Copy& copy);
+  /// The worker has listed the lease, or it is over.
+  void NoteHeard(const WorkerId& worker, const Lease& lease);
   /// The last copy gone leaves the task in `then`.
   void DropCopy(const Lease& lease, Entry::State then, MonotonicTime until = {});
   /// Its worker was lost with it. True: given up.
@@ -197,6 +207,7 @@ class Scheduler {
   std::set<std::pair<MonotonicTime, TaskId>> waiting_;
   std::set<std::tuple<MonotonicTime, TaskId, int64_t>> expiries_;  ///< Of copies, with the epoch.
   std::set<std::pair<MonotonicTime, TaskId>> single_copies_;       ///< Tasks out once, by grant.
+  std::map<WorkerId, std::map<Lease, MonotonicTime>> unheard_;     ///< Never listed; by grant.
   std::map<WorkerId, Memory> memories_;
   std::map<WorkerId, std::map<Lease, MonotonicTime>> told_;  ///< Since when to stop a lease.
   int64_t ready_count_ = 0;                                  ///< Not waiting.

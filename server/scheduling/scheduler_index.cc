@@ -30,8 +30,7 @@ void Scheduler::RemoveJob(const JobId& job) {
       waiting_.erase({entry.until, task});
     }
     for (const Copy& copy : entry.copies) {
-      expiries_.erase({copy.until, task, copy.epoch});
-      single_copies_.erase({copy.granted, task});
+      RemoveFromIndexes(task, copy);
     }
   }
   ready_count_ -= tasks.ready.Size();
@@ -180,6 +179,7 @@ void Scheduler::AddCopy(const TaskId& task, Copy copy) {
   }
   Entry& entry = *Find(task);
   expiries_.emplace(copy.until, task, copy.epoch);
+  unheard_[copy.worker].emplace(Lease{task, copy.epoch}, copy.granted);
   if (entry.copies.empty()) {
     single_copies_.emplace(copy.granted, task);
   } else {
@@ -190,14 +190,28 @@ void Scheduler::AddCopy(const TaskId& task, Copy copy) {
 
 void Scheduler::DropCopy(const Lease& lease, Entry::State then, MonotonicTime until) {
   Entry& entry = *Find(lease.task);
-  const Copy& copy = *FindCopy(lease);
-  expiries_.erase({copy.until, lease.task, copy.epoch});
-  single_copies_.erase({copy.granted, lease.task});
+  RemoveFromIndexes(lease.task, *FindCopy(lease));
   std::erase_if(entry.copies, [&](const Copy& other) { return other.epoch == lease.epoch; });
   if (entry.copies.empty()) {
     MoveTo(lease.task, then, until);
   } else {
     single_copies_.emplace(entry.copies.front().granted, lease.task);
+  }
+}
+
+void Scheduler::RemoveFromIndexes(const TaskId& task, const Copy& copy) {
+  expiries_.erase({copy.until, task, copy.epoch});
+  single_copies_.erase({copy.granted, task});
+  NoteHeard(copy.worker, {task, copy.epoch});
+}
+
+void Scheduler::NoteHeard(const WorkerId& worker, const Lease& lease) {
+  const auto found = unheard_.find(worker);
+  if (found != unheard_.end()) {
+    found->second.erase(lease);
+    if (found->second.empty()) {
+      unheard_.erase(found);
+    }
   }
 }
 

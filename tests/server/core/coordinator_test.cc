@@ -213,6 +213,23 @@ TEST_F(CoordinatorTest, AKilledWorkersTaskIsDoneByAnother) {
   EXPECT_EQ(coordinator_->GetJob(job.id)->state, JobState::kSucceeded);
 }
 
+TEST_F(CoordinatorTest, ATaskWhoseGrantWasLostOnTheWayIsGivenOutAgainSoon) {
+  AddScans(2, 1);
+  const Job job = Submit();
+  const auto lost = Take("w", 1);
+  ASSERT_EQ(lost.size(), 1U);
+  clock_.Advance(kLeaseSeconds / 2 + 1);  // Long before its lease ends.
+  bool came_again = false;
+  for (const GrantedTask& granted : Take("w", 9)) {
+    came_again |= granted.lease.task == lost[0].lease.task;
+    EXPECT_NE(granted.lease, lost[0].lease);
+    EXPECT_EQ(*Do("w", granted), true);
+  }
+  EXPECT_TRUE(came_again);
+  Work("w");
+  EXPECT_EQ(coordinator_->GetJob(job.id)->state, JobState::kSucceeded);
+}
+
 TEST_F(CoordinatorTest, ALateResultIsTakenOnceAndThenSuperseded) {
   AddScans(3, 1);
   Submit();

@@ -82,6 +82,48 @@ TEST(SchedulerCopies, TakeWhatAnotherWorkerHasNotBegun) {
   EXPECT_THAT(scheduler.Grant(kBert, 2, At(1.1)), ElementsAre(L(kA, 1, 2)));
 }
 
+TEST(SchedulerUnheard, AGrantThatItsWorkerNeverListsIsFreeAgainAndCountsAsNothing) {
+  Scheduler scheduler(kOptions);
+  scheduler.AddTasks(kA, 0, 1);
+  const Lease lost = scheduler.Grant(kAnna, 1, At(0))[0];
+  EXPECT_THAT(scheduler.TakeBackUnheard(kAnna, At(4.9)), IsEmpty()) << "it may be on its way";
+  EXPECT_THAT(scheduler.TakeBackUnheard(kBert, At(5)), IsEmpty()) << "another's report";
+  EXPECT_THAT(scheduler.TakeBackUnheard(kAnna, At(5)), ElementsAre(lost));
+  EXPECT_FALSE(scheduler.IsCurrent(lost));
+  EXPECT_EQ(scheduler.AttemptsOf({kA, 0}).losses, 0);
+  EXPECT_EQ(scheduler.AttemptsOf({kA, 0}).failures, 0);
+  EXPECT_THAT(scheduler.Grant(kBert, 1, At(5)), ElementsAre(L(kA, 0, 2)));
+  EXPECT_THAT(scheduler.TakeBackUnheard(kAnna, At(99)), IsEmpty());
+}
+
+TEST(SchedulerUnheard, WhatWasListedOnceStaysWithItsWorker) {
+  Scheduler scheduler(kOptions);
+  scheduler.AddTasks(kA, 0, 2);
+  const auto leases = scheduler.Grant(kAnna, 2, At(0));
+  EXPECT_THAT(scheduler.Renew(kAnna, {{leases[0], HeldTask::kNotBegun}}, At(1)).lost, IsEmpty());
+  // Its result is on the way, in the call that brings this report.
+  EXPECT_THAT(scheduler.TakeBackUnheard(kAnna, At(30)), ElementsAre(leases[1]));
+  EXPECT_TRUE(scheduler.IsCurrent(leases[0]));
+}
+
+TEST(SchedulerUnheard, ARestartedServerWaitsForItsWorkersAnew) {
+  Scheduler scheduler(kOptions);
+  scheduler.RestoreLease({kA, 0}, {.epoch = 3}, kAnna, At(100));
+  scheduler.RestoreLease({kA, 1}, {.epoch = 1}, kAnna, At(100));
+  EXPECT_THAT(scheduler.TakeBackUnheard(kAnna, At(104)), IsEmpty());
+  (void)scheduler.Renew(kAnna, {{L(kA, 0, 3), 1}}, At(105));
+  EXPECT_THAT(scheduler.TakeBackUnheard(kAnna, At(105)), ElementsAre(L(kA, 1, 1)));
+}
+
+TEST(SchedulerUnheard, OfASecondCopyTheFirstGoesOn) {
+  Scheduler scheduler = WithOneTaskOut();
+  ASSERT_THAT(scheduler.Grant(kBert, 1, At(125)), ElementsAre(L(kA, 5, 2)));
+  EXPECT_THAT(scheduler.TakeBackUnheard(kBert, At(130)), ElementsAre(L(kA, 5, 2)));
+  EXPECT_EQ(scheduler.LeaseOf({kA, 5}), L(kA, 5, 1));
+  scheduler.RemoveJob(kA);
+  EXPECT_THAT(scheduler.TakeBackUnheard(kBert, At(999)), IsEmpty());
+}
+
 TEST(SchedulerRenew, TakesBackATaskThatDoesNotGetOn) {
   Scheduler scheduler(kOptions);
   scheduler.AddTasks(kA, 0, 1);

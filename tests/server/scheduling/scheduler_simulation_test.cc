@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <absl/strings/str_cat.h>
@@ -112,6 +113,7 @@ class Storm {
             .retry_seconds = 0.5,
             .stall_seconds = 40,
             .evict_seconds = 20,
+            .unheard_seconds = 5,
             .copy_factor = 2,
             .least_copy_seconds = 1};
   }
@@ -198,7 +200,11 @@ class Storm {
       }
       truth.stored = scheduler_.AttemptsOf(lease.task);
       truth.stored_worker = WorkerOf(worker);
-      held_[worker].push_back({.lease = lease});
+      if (random_.Below(15) == 0) {
+        unheard_[worker].emplace(lease, now_);  // The answer is lost.
+      } else {
+        held_[worker].push_back({.lease = lease});
+      }
       past_.push_back(lease);
       past_worker_.emplace(lease, worker);
     }
@@ -234,6 +240,25 @@ class Storm {
     }
     for (const HeldTask& task : held_[worker]) {
       EXPECT_TRUE(is_deaf || scheduler_.IsCurrent(task.lease)) << "nobody told the worker";
+    }
+    TakeBackUnheardOf(worker);
+  }
+
+  void TakeBackUnheardOf(size_t worker) {
+    // What its last report held, and what was granted since, stays.
+    const std::vector<Lease> taken = scheduler_.TakeBackUnheard(WorkerOf(worker), now_);
+    for (const Lease& lease : taken) {
+      EXPECT_FALSE(scheduler_.IsCurrent(lease));
+      for (const HeldTask& task : held_[worker]) {
+        EXPECT_NE(task.lease, lease) << "taken from a worker that has it";
+      }
+    }
+    for (const auto& [lease, granted] : std::exchange(unheard_[worker], {})) {
+      if (now_ - granted < std::chrono::seconds(5)) {
+        unheard_[worker].emplace(lease, granted);
+      } else {
+        EXPECT_FALSE(scheduler_.IsCurrent(lease)) << "still waits for a worker that has no idea";
+      }
     }
   }
 
@@ -309,6 +334,11 @@ class Storm {
         scheduler_.RestoreLease(task, truth.stored, truth.stored_worker, now_);
       }
     }
+    for (auto& unheard : unheard_) {
+      for (auto& [lease, granted] : unheard) {
+        granted = now_;
+      }
+    }
     // A late result of what was done before the restart finds a scheduler that never heard of it.
     std::erase_if(past_, [&](const Lease& lease) { return truth_.at(lease.task).accepted > 0; });
   }
@@ -340,7 +370,9 @@ class Storm {
   std::vector<bool> paused_;
   std::map<TaskId, TaskTruth> truth_;
   std::vector<std::vector<HeldTask>> held_{kWorkers};  // What each worker believes to hold.
-  std::vector<Lease> past_;                            // Every lease ever handed out.
+  // What each was granted in an answer that was lost, and when, or when the server last restarted.
+  std::vector<std::map<Lease, MonotonicTime>> unheard_{kWorkers};
+  std::vector<Lease> past_;  // Every lease ever handed out.
   std::map<Lease, size_t> past_worker_;
   std::set<std::pair<TaskId, int64_t>> granted_;
 };
