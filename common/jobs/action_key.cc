@@ -86,6 +86,9 @@ std::string ActionKeys::Of(const Task& task) {
   for (const double coordinate : task.frame_center) {
     text.Add(std::bit_cast<int64_t>(coordinate));
   }
+  if (!task.starts.empty()) {  // Else the text is that of builds which knew no starts.
+    text.Add(std::string_view(task.starts));
+  }
   return text.Hash();
 }
 

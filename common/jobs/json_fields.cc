@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include <absl/strings/escaping.h>
 #include <absl/strings/str_cat.h>
 
 namespace cohort {
@@ -90,6 +91,16 @@ void JsonFields::Read(std::string_view key, std::string& value) {
     return Expected(key, "a string", *found);
   }
   value = found->get_ref<const std::string&>();
+}
+
+void JsonFields::ReadBase64(std::string_view key, std::string& bytes) {
+  const json* found = Find(key);
+  if (found == nullptr) {
+    return;
+  }
+  if (!found->is_string() || !absl::Base64Unescape(found->get_ref<const std::string&>(), &bytes)) {
+    Expected(key, "base64", *found);
+  }
 }
 
 void JsonFields::Read(std::string_view key, Digest& value) {

@@ -36,6 +36,8 @@ class JsonFields {
   void Read(std::string_view key, int64_t& value);
   void Read(std::string_view key, double& value);
   void Read(std::string_view key, std::string& value);
+  /// Bytes that stand there as base64, RFC 4648 section 4.
+  void ReadBase64(std::string_view key, std::string& bytes);
   /// The empty string is the empty digest.
   void Read(std::string_view key, Digest& value);
   void Read(std::string_view key, std::array<double, 3>& value);

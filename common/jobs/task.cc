@@ -1,5 +1,6 @@
 #include "common/jobs/task.h"
 
+#include <absl/strings/escaping.h>
 #include <nlohmann/json.hpp>
 
 #include "common/base/status_macros.h"
@@ -145,6 +146,7 @@ json ToJson(const TaskResult& result) {
     rejections.push_back(ToJson(rejection));
   }
   return {{"output", result.output.Hex()},
+          {"alignments", absl::Base64Escape(result.alignments)},
           {"second_output", result.second_output.Hex()},
           {"poses", result.poses.Hex()},
           {"variation", result.variation.Hex()},
@@ -163,6 +165,7 @@ absl::StatusOr<TaskResult> TaskResultFromJson(const json& json) {
   TaskResult result;
   JsonFields fields(json, "task result", absl::StatusCode::kDataLoss, Presence::kOptional);
   fields.Read("output", result.output);
+  fields.ReadBase64("alignments", result.alignments);
   fields.Read("second_output", result.second_output);
   fields.Read("poses", result.poses);
   fields.Read("variation", result.variation);

@@ -56,6 +56,7 @@ struct Task {
   /// Alignment blobs that together hold `meshes` and `targets`; kAlign: the starts;
   /// kAlignAndCompare: poses to the base mesh. Empty: identities.
   std::vector<Digest> alignments;
+  std::string starts;  ///< kAlign: TaskResult::alignments of the round before; empty: `alignments`.
   /// kAverage: displacement blobs, kSummarize: variation blobs, kPreview: correspondence blobs.
   /// With Arithmetic::kFidentis: placed blobs; kAlign: the starts (none: the meshes of the files,
   /// centred); kCompare: that together hold `meshes` and `targets`; kAverage, kSummarize: all.
@@ -72,7 +73,9 @@ struct Task {
   Arithmetic arithmetic = Arithmetic::kExact;  ///< All but kIngest.
   bool wants_placed = false;  ///< kFidentis: kAlign, kAlignAndCompare also write a placed blob.
   bool wants_pose = false;  ///< kAlign: start from coarse poses, found as by kPose, and write them.
-  bool wants_displacement = false;      ///< kAlign: also write the partial displacement sum.
+  /// kAlign: also write the partial displacement sum. It is a round of the mean shape, which
+  /// another alignment follows: its own alignments go into the result.
+  bool wants_displacement = false;
   bool wants_variation = false;         ///< kAlign: also write what kVariation finds.
   bool wants_correspondences = false;   ///< That also writes the correspondences.
   bool counts_reference_index = false;  ///< The first task of a stage counts the index that all of
@@ -149,6 +152,9 @@ struct TaskResult {
   /// kIngest, kSymmetrize: empty. kPose, kAlign: alignment blob. kAverage: mesh blob. kCompare:
   /// tile blob. kAlignAndCompare: tile blob. kVariation: variation blob. kSummarize: summary blob.
   Digest output;
+  /// kAlign with wants_displacement: the bytes of an alignment blob, and no `output`. Only the next
+  /// alignment reads them: not worth a file and its sync.
+  std::string alignments;
   Digest second_output;  ///< kAlign: displacement blob, if wanted. kVariation, kAlign:
                          ///< correspondence blob, if wanted. kAlignAndCompare: alignment
                          ///< blob. kSummarize: mean shape as mesh blob.

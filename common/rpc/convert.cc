@@ -305,6 +305,7 @@ v1::Task ToProto(const Task& task) {
   for (const Digest& digest : task.alignments) {
     wire.add_alignment_sha256(digest.Hex());
   }
+  wire.set_starts(task.starts);
   for (const Digest& digest : task.partials) {
     wire.add_partial_sha256(digest.Hex());
   }
@@ -335,6 +336,7 @@ absl::StatusOr<Task> FromProto(const v1::Task& wire) {
   COHORT_ASSIGN_OR_RETURN(task.targets, FromProto(wire.targets()));
   COHORT_ASSIGN_OR_RETURN(task.reference, OptionalDigest(wire.reference_sha256()));
   COHORT_ASSIGN_OR_RETURN(task.alignments, FromProto(wire.alignment_sha256()));
+  task.starts = wire.starts();
   COHORT_ASSIGN_OR_RETURN(task.partials, FromProto(wire.partial_sha256()));
   COHORT_ASSIGN_OR_RETURN(task.icp, FromProto(wire.icp()));
   COHORT_ASSIGN_OR_RETURN(task.undersampling, FromProto(wire.undersampling()));
@@ -356,6 +358,7 @@ absl::StatusOr<Task> FromProto(const v1::Task& wire) {
 v1::TaskResult ToProto(const TaskResult& result) {
   v1::TaskResult wire;
   wire.set_output_sha256(result.output.Hex());
+  wire.set_alignments(result.alignments);
   wire.set_second_output_sha256(result.second_output.Hex());
   wire.set_poses_sha256(result.poses.Hex());
   wire.set_variation_sha256(result.variation.Hex());
@@ -382,6 +385,7 @@ v1::TaskResult ToProto(const TaskResult& result) {
 absl::StatusOr<TaskResult> FromProto(const v1::TaskResult& wire) {
   TaskResult result;
   COHORT_ASSIGN_OR_RETURN(result.output, OptionalDigest(wire.output_sha256()));
+  result.alignments = wire.alignments();
   COHORT_ASSIGN_OR_RETURN(result.second_output, OptionalDigest(wire.second_output_sha256()));
   COHORT_ASSIGN_OR_RETURN(result.poses, OptionalDigest(wire.poses_sha256()));
   COHORT_ASSIGN_OR_RETURN(result.variation, OptionalDigest(wire.variation_sha256()));

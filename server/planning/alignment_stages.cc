@@ -27,11 +27,12 @@ const Batch& BatchAt(const PlanState& state, int64_t task) {
   return state.batches[state.FirstOpenBatch() + static_cast<size_t>(task)];
 }
 
-/// Takes in an alignment blob per batch, then the rejections of all.
+/// Takes in the alignments of each batch, then the rejections of all.
 absl::Status AbsorbAlignments(PlanState& state, std::span<const TaskResult> results) {
   const size_t first = state.FirstOpenBatch();
   for (size_t i = 0; i < results.size(); ++i) {
     state.batches[first + i].alignment = results[i].output;
+    state.batches[first + i].starts = results[i].alignments;
     state.batches[first + i].displacement = results[i].second_output;
   }
   state.RejectAllOf(results);
@@ -71,6 +72,7 @@ Task MakeBatchTask(TaskKind kind, const PlanState& state, int64_t task) {
   made.kind = kind;
   made.meshes = state.TaskMeshes(batch.meshes);
   made.reference = state.reference;
+  made.starts = batch.starts;
   if (!batch.alignment.empty()) {
     made.alignments = {batch.alignment};
   }

@@ -154,6 +154,7 @@ void PlanState::FormBatches() {
       batches.push_back({.meshes = {chosen.begin() + range.begin, chosen.begin() + range.end},
                          .is_kept = is_kept,
                          .alignment = is_kept ? kept_alignments : Digest(),
+                         .starts = {},
                          .displacement = {},
                          .placed = {}});
     }

@@ -19,7 +19,8 @@ namespace cohort {
 struct Batch {
   std::vector<int32_t> meshes;  ///< Active ones, ascending; never empty.
   bool is_kept = false;         ///< Aligned by the reference job.
-  Digest alignment;             ///< Newest alignment blob that holds them; empty: none yet.
+  Digest alignment;             ///< Newest alignment blob that holds them; empty: none yet,
+  std::string starts;           ///< or this, TaskResult::alignments, is newer.
   Digest displacement;          ///< Newest displacement blob.
   Digest placed;                ///< Arithmetic::kFidentis: newest placed blob that holds them.
 };

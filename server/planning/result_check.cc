@@ -8,6 +8,7 @@
 #include <absl/strings/str_cat.h>
 
 #include "common/base/status_macros.h"
+#include "common/jobs/blobs.h"
 
 namespace cohort {
 namespace {
@@ -78,6 +79,31 @@ absl::Status CheckSymmetrized(const Task& task, const TaskResult& result) {
                                          " meshes are neither copied nor rejected"));
 }
 
+/// A blob, or the alignments of every mesh of the task that it does not reject. (Earlier builds
+/// wrote a blob in the rounds of the mean shape, too.)
+absl::Status CheckOutput(const Task& task,
+                         const TaskResult& result,
+                         const std::set<int32_t>& rejected) {
+  if (!task.wants_displacement || result.alignments.empty()) {
+    return result.output.empty() ? Misfit(task, "no output") : absl::OkStatus();
+  }
+  const absl::StatusOr<std::vector<MeshAlignment>> alignments =
+      DecodeAlignmentBlob(result.alignments);
+  if (!alignments.ok()) {
+    return Misfit(task, std::string(alignments.status().message()));
+  }
+  std::set<int32_t> aligned;
+  for (const MeshAlignment& one : *alignments) {
+    aligned.insert(one.mesh);
+  }
+  for (const TaskMesh& mesh : task.meshes) {
+    if (!aligned.contains(mesh.index) && !rejected.contains(mesh.index)) {
+      return Misfit(task, mesh.name + " is neither aligned nor rejected");
+    }
+  }
+  return absl::OkStatus();
+}
+
 bool MayReject(TaskKind kind) {
   return kind == TaskKind::kPose || kind == TaskKind::kAlign;
 }
@@ -106,9 +132,7 @@ absl::Status CheckResult(const PlanState& state, const Task& task, const TaskRes
   if (MayReject(task.kind) && rejected.size() == task.meshes.size()) {
     return absl::OkStatus();  // Nothing was left to write about.
   }
-  if (result.output.empty()) {
-    return Misfit(task, "no output");
-  }
+  COHORT_RETURN_IF_ERROR(CheckOutput(task, result, rejected));
   if (task.kind == TaskKind::kChooseBase && !HasMesh(task, result.base)) {
     return Misfit(task, absl::StrCat("mesh ", result.base, " is not its to choose"));
   }

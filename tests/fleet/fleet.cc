@@ -29,6 +29,7 @@
 #include "common/base/process.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
+#include "common/jobs/blobs.h"
 #include "common/jobs/worker_build.h"
 #include "common/rpc/channel.h"
 #include "worker/grpc_coordinator_link.h"
@@ -229,7 +230,15 @@ class Fleet {
       }
       return result;
     }
-    result.output = blob_;
+    if (task.wants_displacement) {
+      std::vector<MeshAlignment> alignments;
+      for (const TaskMesh& mesh : task.meshes) {
+        alignments.push_back({.mesh = mesh.index, .alignment = {}});
+      }
+      result.alignments = EncodeAlignmentBlob(alignments);
+    } else {
+      result.output = blob_;
+    }
     if (task.kind == TaskKind::kSummarize || task.wants_displacement) {
       result.second_output = blob_;
     }

@@ -67,7 +67,8 @@ absl::StatusOr<Starts> FindStarts(const Task& task,
                                   AlignBlobs& blobs,
                                   TaskResult& result) {
   if (!task.wants_pose) {
-    return LoadAlignments(context.store, task.alignments);
+    return task.starts.empty() ? LoadAlignments(context.store, task.alignments)
+                               : AlignmentsIn(task.starts);
   }
   COHORT_ASSIGN_OR_RETURN(const std::vector<MeshAlignment> poses, FindPoses(task, context, result));
   blobs.poses = EncodeAlignmentBlob(poses);
@@ -151,10 +152,12 @@ absl::StatusOr<TaskResult> RunAlignTask(const Task& task, const TaskContext& con
                                                         Eigen::Vector3d(task.frame_center.data())));
     }
   }
-  blobs.alignments = EncodeAlignmentBlob(alignments);
   if (task.wants_displacement) {
+    result.alignments = EncodeAlignmentBlob(alignments);
     blobs.displacement =
         EncodeDisplacementBlob({.mesh_count = displaced, .sum = displacement.cast<float>()});
+  } else {
+    blobs.alignments = EncodeAlignmentBlob(alignments);
   }
   if (variation) {
     blobs.variation = std::move(*variation).Encode();

@@ -31,14 +31,23 @@ absl::Status WriteBlobs(const TaskContext& context, std::span<const TaskBlob> bl
   return absl::OkStatus();
 }
 
+absl::StatusOr<std::map<int32_t, Alignment>> AlignmentsIn(std::string_view bytes) {
+  COHORT_ASSIGN_OR_RETURN(const std::vector<MeshAlignment> decoded, DecodeAlignmentBlob(bytes));
+  std::map<int32_t, Alignment> alignments;
+  for (const MeshAlignment& one : decoded) {
+    alignments[one.mesh] = one.alignment;
+  }
+  return alignments;
+}
+
 absl::StatusOr<std::map<int32_t, Alignment>> LoadAlignments(BlobStore& store,
                                                             const std::vector<Digest>& blobs) {
   std::map<int32_t, Alignment> alignments;
   for (const Digest& blob : blobs) {
     COHORT_ASSIGN_OR_RETURN(const std::string bytes, store.Get(blob));
-    COHORT_ASSIGN_OR_RETURN(const std::vector<MeshAlignment> some, DecodeAlignmentBlob(bytes));
-    for (const MeshAlignment& one : some) {
-      alignments[one.mesh] = one.alignment;
+    COHORT_ASSIGN_OR_RETURN(const auto some, AlignmentsIn(bytes));
+    for (const auto& [mesh, alignment] : some) {
+      alignments[mesh] = alignment;
     }
   }
   return alignments;

@@ -50,7 +50,9 @@ struct TaskBlob {
 /// @return as BlobStore::PutAll.
 [[nodiscard]] absl::Status WriteBlobs(const TaskContext& context, std::span<const TaskBlob> blobs);
 
-/// The alignments in `blobs` by mesh index.
+/// The alignments in the bytes of an alignment blob, by mesh index.
+[[nodiscard]] absl::StatusOr<std::map<int32_t, Alignment>> AlignmentsIn(std::string_view bytes);
+/// The same of `blobs` together.
 [[nodiscard]] absl::StatusOr<std::map<int32_t, Alignment>> LoadAlignments(
     BlobStore& store, const std::vector<Digest>& blobs);
 

@@ -36,6 +36,7 @@ TEST(ActionKeys, ChangeWithEverythingThatTheResultDependsOn) {
       [&](Task& task) { task.targets = {mesh}; },
       [&](Task& task) { task.reference = a; },
       [&](Task& task) { task.alignments = {a}; },
+      [](Task& task) { task.starts = "starts"; },
       [&](Task& task) { task.partials = {a}; },
       [&](Task& task) {
         task.partials = {a, b};

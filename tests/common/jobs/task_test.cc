@@ -28,6 +28,7 @@ Counters SomeCounters() {
 TaskResult SomeResult() {
   TaskResult result;
   result.output = Sha256::Of("one");
+  result.alignments = std::string("\0alignments\xff\n", 13);
   result.second_output = Sha256::Of("two");
   result.poses = Sha256::Of("poses");
   result.variation = Sha256::Of("variation");
@@ -65,6 +66,7 @@ TEST(TaskResultJson, RoundTripsThroughTextWithoutLosingABit) {
   const auto result = TaskResultFromJson(json::parse(ToJson(expected).dump()));
   ASSERT_THAT(result, IsOk());
   EXPECT_EQ(result->output, expected.output);
+  EXPECT_EQ(result->alignments, expected.alignments);
   EXPECT_EQ(result->second_output, expected.second_output);
   EXPECT_EQ(result->poses, expected.poses);
   EXPECT_EQ(result->variation, expected.variation);
@@ -86,12 +88,14 @@ TEST(TaskResultJson, RoundTripsThroughTextWithoutLosingABit) {
   EXPECT_TRUE(result->ingested[0].health.point_cloud);
 }
 
-TEST(TaskResultJson, OfAnOlderCatalogHasNoPlacedMeshes) {
+TEST(TaskResultJson, OfAnOlderCatalogHasNoPlacedMeshesNorAlignments) {
   json older = ToJson(SomeResult());
   older.erase("placed");
+  older.erase("alignments");
   const auto result = TaskResultFromJson(older);
   ASSERT_THAT(result, IsOk());
   EXPECT_TRUE(result->placed.empty());
+  EXPECT_TRUE(result->alignments.empty());
 }
 
 TEST(TaskResultJson, KeepsAnEmptyResult) {
@@ -122,6 +126,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Damage{"/output", "\"abc\"", "task result.output: expected a digest, not \"abc\""},
         Damage{"/output", "7", "task result.output: expected a digest, not 7"},
+        Damage{"/alignments", "7", "task result.alignments: expected base64, not 7"},
+        Damage{"/alignments", "\"a?\"", "task result.alignments: expected base64, not \"a?\""},
         Damage{"/placed", "7", "task result.placed: expected a digest, not 7"},
         Damage{"/seconds", "\"1\"", "task result.seconds: expected a number"},
         Damage{"/seconds", "null", "task result.seconds: expected a number, not null"},

@@ -85,6 +85,7 @@ TEST(Convert, ATaskSurvivesTheWay) {
   task.targets = {{.index = 2, .name = "b", .blob = Sha256::Of("b")}};
   task.reference = Sha256::Of("r");
   task.alignments = {Sha256::Of("x"), Sha256::Of("y")};
+  task.starts = std::string("\0starts\xff", 8);
   task.partials = {Sha256::Of("z")};
   task.icp = UnusualSpec().icp;
   task.undersampling = UnusualSpec().undersampling;
@@ -105,6 +106,7 @@ TEST(Convert, ATaskSurvivesTheWay) {
   EXPECT_EQ(ToProto(*back).SerializeAsString(), ToProto(task).SerializeAsString());
   EXPECT_EQ(back->meshes, task.meshes);
   EXPECT_EQ(back->alignments, task.alignments);
+  EXPECT_EQ(back->starts, task.starts);
   EXPECT_EQ(back->frame_center, task.frame_center);
   EXPECT_EQ(back->icp.tolerance, task.icp.tolerance);
   EXPECT_EQ(back->undersampling.radius, task.undersampling.radius);
@@ -121,6 +123,7 @@ TEST(Convert, ATaskSurvivesTheWay) {
 TEST(Convert, ATaskResultSurvivesTheWay) {
   TaskResult result;
   result.output = Sha256::Of("out");
+  result.alignments = std::string("\0alignments\xff", 12);
   result.poses = Sha256::Of("poses");
   result.variation = Sha256::Of("variation");
   result.ingested = {UnusualIngested()};

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "common/base/random.h"
+#include "common/jobs/blobs.h"
 #include "server/planning/job_plan.h"
 #include "tests/testing/status_matchers.h"
 
@@ -82,7 +83,9 @@ class FakeJob {
             {mesh.index, Name(names_[static_cast<size_t>(mesh.index)] + "*"), 0.5});
       }
     }
-    if (task.kind != TaskKind::kIngest && task.kind != TaskKind::kSymmetrize) {
+    if (task.wants_displacement) {
+      result.alignments = Alignments(task, result, name);
+    } else if (task.kind != TaskKind::kIngest && task.kind != TaskKind::kSymmetrize) {
       result.output = Name(name);
     }
     if (task.wants_displacement || task.wants_correspondences ||
@@ -180,6 +183,9 @@ class FakeJob {
     if (!task.alignments.empty()) {
       absl::StrAppend(&line, " | from ", NamesOf(task.alignments));
     }
+    if (!task.starts.empty()) {
+      absl::StrAppend(&line, " | from ", NameOf(Sha256::Of(task.starts)));
+    }
     if (!task.partials.empty()) {
       absl::StrAppend(&line, " | of ", NamesOf(task.partials));
     }
@@ -206,6 +212,24 @@ class FakeJob {
   int64_t vertices = 700000;
 
  private:
+  /// Of the meshes that are not rejected; bear the name, too.
+  [[nodiscard]] std::string Alignments(const Task& task,
+                                       const TaskResult& result,
+                                       const std::string& name) {
+    std::vector<MeshAlignment> alignments;
+    for (const TaskMesh& mesh : task.meshes) {
+      const bool is_rejected =
+          std::any_of(result.rejections.begin(), result.rejections.end(),
+                      [&](const MeshRejection& one) { return one.index == mesh.index; });
+      if (!is_rejected) {
+        alignments.push_back({.mesh = mesh.index, .alignment = {}});
+        alignments.back().alignment.lookups = task.number;
+      }
+    }
+    std::string bytes = EncodeAlignmentBlob(alignments);
+    digest_names_[Sha256::Of(bytes)] = name;
+    return bytes;
+  }
   IngestedMesh Ingested(int32_t index) {
     const auto place = static_cast<size_t>(index);
     IngestedMesh mesh;

@@ -111,8 +111,41 @@ TEST(TaskFinished, RefusesResultsWithoutTheirBlobs) {
   result.second_output = Digest();
   EXPECT_THAT(plan->TaskFinished(2, result),
               StatusIs(kInvalid, "task 2 (align 1): no second output"));
-  result.output = Digest();
+  result.alignments.clear();
   EXPECT_THAT(plan->TaskFinished(2, result), StatusIs(kInvalid, "task 2 (align 1): no output"));
+}
+
+TEST(TaskFinished, RefusesAlignmentsThatCannotBeReadOrLeaveAMeshOut) {
+  FakeJob job(2);
+  const auto plan = job.Plan(SpecOf(Method::kAverage, PoseMode::kNone), job.AllIndices());
+  const std::vector<Task> tasks = plan->TakeReadyTasks();
+  TaskResult result = job.ResultOf(tasks[0]);
+  const std::string whole = result.alignments;
+  result.alignments = whole.substr(0, whole.size() - 1);
+  EXPECT_THAT(plan->TaskFinished(2, result), StatusIs(kInvalid, "task 2 (align 1): "));
+  result.alignments = EncodeAlignmentBlob({});
+  EXPECT_THAT(plan->TaskFinished(2, result),
+              StatusIs(kInvalid, "task 2 (align 1): a.ply is neither aligned nor rejected"));
+  result.alignments = job.ResultOf(tasks[1]).alignments;
+  EXPECT_THAT(plan->TaskFinished(2, result),
+              StatusIs(kInvalid, "task 2 (align 1): a.ply is neither aligned nor rejected"));
+  result.alignments = whole;
+  EXPECT_THAT(plan->TaskFinished(2, result), IsOk());
+}
+
+// As a job goes on that a build has begun which wrote a blob in every round.
+TEST(TaskFinished, TakesABlobOfAlignmentsInARoundOfTheMeanShape) {
+  FakeJob job(2);
+  const auto plan = job.Plan(SpecOf(Method::kAverage, PoseMode::kNone), job.AllIndices());
+  for (const Task& task : plan->TakeReadyTasks()) {
+    TaskResult result = job.ResultOf(task);
+    result.alignments.clear();
+    result.output = job.Name("blob of " + task.meshes[0].name);
+    EXPECT_THAT(plan->TaskFinished(task.number, result), IsOk());
+  }
+  (void)job.RunReady(*plan);
+  EXPECT_THAT(job.RunReady(*plan),
+              ElementsAre(HasSubstr("from blob of a.ply"), HasSubstr("from blob of b.ply")));
 }
 
 TEST(TaskFinished, RefusesRejectionsThatAreNotTheTasks) {
