@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -277,8 +278,8 @@ class Coordinator {
   void NoteStage(const std::string& stage, Job& job) const;
 
   // Workers.
-  /// Answers every report in the queue: renews, grants, writes all grants together.
-  void AnswerReports() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Answers `besides` and every report in the queue: renews, grants, writes all grants together.
+  void AnswerReports(std::span<QueuedReport* const> besides) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void NoteWorker(const WorkerReport& report, MonotonicTime now)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// What the worker's free slots take; for its spare ones only while there is plenty.
@@ -312,6 +313,14 @@ class Coordinator {
   /// Grants tasks to those who bring `results`, before these are taken in.
   GrantWrite GrantWithResults(std::span<QueuedCompletion* const> results, MonotonicTime now)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// After results were taken in: answers the workers that brought them, as far as
+  /// GrantWithResults has not, and those who wait.
+  void AnswerAfter(std::span<QueuedCompletion* const> results)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// The caller no longer waits for the answer.
+  [[nodiscard]] static bool HasGone(const QueuedReport& queued, MonotonicTime now);
+  /// There is something to tell the worker.
+  [[nodiscard]] static bool MustReturn(const QueuedReport& queued);
   /// There is nothing to tell the worker yet, and it may wait here for a task.
   [[nodiscard]] bool MayWait(const QueuedReport& queued) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -368,7 +377,7 @@ class Coordinator {
   std::map<JobId, ActiveJob> active_ ABSL_GUARDED_BY(mutex_);
   std::vector<Job> changes_ ABSL_GUARDED_BY(mutex_);
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
-  int waiting_ ABSL_GUARDED_BY(mutex_) = 0;           ///< Calls that wait for `work_`.
+  std::vector<QueuedReport*> waiting_ ABSL_GUARDED_BY(mutex_);  ///< Calls that wait for `work_`.
   std::string no_space_ ABSL_GUARDED_BY(mutex_);      ///< Why nothing is handed out; empty: it is.
   std::set<JobId> standing_ ABSL_GUARDED_BY(mutex_);  ///< Not final, and not in `active_` either.
   std::map<Digest, int> times_damaged_ ABSL_GUARDED_BY(mutex_);

@@ -110,7 +110,6 @@ absl::StatusOr<bool> Coordinator::QueueCompletion(QueuedCompletion& queued) {
     // Before anybody hears of the change: who then looks at the figures finds this call among them.
     complete_timer_.Add(SecondsBetween(called, clock_.Now()));
   }
-  work_.NotifyAll();
   Notify(changes);
   return *queued.outcome;
 }
@@ -147,6 +146,9 @@ void Coordinator::TakeCompletions() {
   if (!grants.tasks.empty()) {
     NoteLost();
     NoteReady(now, std::ssize(grants.tasks));
+  }
+  if (saved.ok()) {
+    AnswerAfter(batch);
   }
 }
 

@@ -17,6 +17,8 @@ namespace {
 
 /// How often a waiting call looks whether leases have run out or its caller has gone.
 constexpr std::chrono::milliseconds kWaitStep(250);
+/// A younger call's caller is taken to be there: to ask gRPC costs as much as to answer.
+constexpr std::chrono::milliseconds kMayHaveGone(100);
 /// A worker without work that may not wait here calls again after this for each hundred workers.
 constexpr double kIdleSecondsPerHundred = 0.5;
 constexpr char kLostTooOften[] = " was lost with too many workers; see their logs (out of memory?)";
@@ -62,19 +64,21 @@ absl::StatusOr<WorkerOrders> Coordinator::Synchronize(const WorkerReport& report
       enqueue();
     }
     if (!queued.is_answered) {
-      AnswerReports();
+      AnswerReports({});
     }
     std::vector<Job> more = TakeChanges();
     changes.insert(changes.end(), more.begin(), more.end());
     const MonotonicTime now = clock_.Now();
     if (now >= deadline || !MayWait(queued)) {
-      queued.orders.next_sync_seconds = NextSyncSeconds(queued);
       break;
     }
-    ++waiting_;
+    waiting_.push_back(&queued);
     work_.WaitUntil(mutex_, std::min(deadline, now + kWaitStep));
-    --waiting_;
+    std::erase(waiting_, &queued);
     waited_seconds += SecondsBetween(now, clock_.Now());
+    if (MustReturn(queued)) {  // A result that came in has brought its answer.
+      break;
+    }
   }
   synchronize_timer_.Add(SecondsBetween(called, clock_.Now()) - waited_seconds);
   Notify(changes);
@@ -82,11 +86,12 @@ absl::StatusOr<WorkerOrders> Coordinator::Synchronize(const WorkerReport& report
   return queued.orders;
 }
 
-void Coordinator::AnswerReports() {
-  std::vector<QueuedReport*> batch;
+void Coordinator::AnswerReports(std::span<QueuedReport* const> besides) {
+  std::vector<QueuedReport*> batch(besides.begin(), besides.end());
   {
     const MutexLock lock(queue_mutex_);
-    batch.swap(reports_);
+    batch.insert(batch.end(), reports_.begin(), reports_.end());
+    reports_.clear();
   }
   const MonotonicTime now = clock_.Now();
   std::vector<TaskId> given_up = scheduler_.Expire(now);
@@ -94,7 +99,7 @@ void Coordinator::AnswerReports() {
   for (QueuedReport* queued : batch) {
     queued->orders = {};
     TakeReport(*queued, now, given_up);
-    if (queued->is_cancelled()) {
+    if (HasGone(*queued, now)) {
       queued->status =
           absl::CancelledError(absl::StrCat("worker ", queued->report.worker.value, " has gone"));
       continue;
@@ -111,12 +116,17 @@ void Coordinator::AnswerReports() {
   if (saved.ok() && !write.tasks.empty()) {
     saved = catalog_.SaveGrants(write.tasks, JobsOf(write));
   }
-  if (!saved.ok()) {
-    for (QueuedReport* queued : batch) {
+  for (QueuedReport* queued : batch) {
+    queued->orders.next_sync_seconds = NextSyncSeconds(*queued);
+    if (!saved.ok()) {
       WithdrawGrants(*queued, now);
       queued->status = saved;
     }
   }
+}
+
+bool Coordinator::HasGone(const QueuedReport& queued, MonotonicTime now) {
+  return now - queued.arrived >= kMayHaveGone && queued.is_cancelled();
 }
 
 void Coordinator::TakeReport(QueuedReport& queued,
@@ -139,11 +149,14 @@ bool Coordinator::MayHaveTasks(const QueuedReport& queued) const {
   return !stopping_ && no_space_.empty() && !queued.report.draining;
 }
 
-bool Coordinator::MayWait(const QueuedReport& queued) const {
+bool Coordinator::MustReturn(const QueuedReport& queued) {
   const WorkerOrders& orders = queued.orders;
-  const bool has_orders = !orders.grants.empty() || !orders.lost.empty() || orders.is_wedged;
-  return queued.status.ok() && !has_orders && queued.report.free_slots > 0 &&
-         !queued.report.draining && !stopping_ && waiting_ < options_.most_waiting;
+  return !queued.status.ok() || !orders.grants.empty() || !orders.lost.empty() || orders.is_wedged;
+}
+
+bool Coordinator::MayWait(const QueuedReport& queued) const {
+  return !MustReturn(queued) && queued.report.free_slots > 0 && !queued.report.draining &&
+         !stopping_ && std::ssize(waiting_) < options_.most_waiting;
 }
 
 void Coordinator::WithdrawGrants(const QueuedReport& queued, MonotonicTime now) {
@@ -165,7 +178,7 @@ Coordinator::GrantWrite Coordinator::GrantWithResults(std::span<QueuedCompletion
   for (const QueuedCompletion* result : results) {
     QueuedReport* next = result->next;
     if (next == nullptr || next->report.build != options_.build || !MayHaveTasks(*next) ||
-        next->is_cancelled()) {
+        HasGone(*next, now)) {
       continue;
     }
     // With fewer tasks the answer may follow from the results: what they make ready, and what is
@@ -179,6 +192,25 @@ Coordinator::GrantWrite Coordinator::GrantWithResults(std::span<QueuedCompletion
     }
   }
   return write;
+}
+
+void Coordinator::AnswerAfter(std::span<QueuedCompletion* const> results) {
+  std::vector<QueuedReport*> open;
+  for (const QueuedCompletion* result : results) {
+    QueuedReport* next = result->next;
+    if (next != nullptr && !next->is_answered && next->report.build == options_.build) {
+      open.push_back(next);
+    }
+  }
+  open.insert(open.end(), waiting_.begin(), waiting_.end());
+  if (open.empty()) {
+    return;
+  }
+  AnswerReports(open);
+  if (std::any_of(waiting_.begin(), waiting_.end(),
+                  [](const QueuedReport* queued) { return MustReturn(*queued); })) {
+    work_.NotifyAll();
+  }
 }
 
 void Coordinator::AnswerNext(QueuedReport& queued, MonotonicTime now) {
@@ -256,7 +288,7 @@ void Coordinator::AddGrant(const Lease& lease, QueuedReport& queued, GrantWrite&
 double Coordinator::NextSyncSeconds(const QueuedReport& queued) const {
   const auto granted = std::ssize(queued.orders.grants);
   const bool has_free_slots = queued.report.free_slots > granted && !queued.report.draining;
-  if (has_free_slots && waiting_ >= options_.most_waiting) {
+  if (has_free_slots && std::ssize(waiting_) >= options_.most_waiting) {
     return std::min(kIdleSecondsPerHundred * static_cast<double>(workers_.size()) / 100,
                     options_.scheduler.lease_seconds / 6);
   }

@@ -1,6 +1,8 @@
 // Workers that wait inside Synchronize for a task: whatever becomes ready wakes one. The clock
 // stands still here, so that one who misses its wake-up waits for ever.
+#include <atomic>
 #include <chrono>
+#include <functional>
 #include <future>
 #include <latch>
 #include <string>
@@ -17,6 +19,7 @@ namespace cohort {
 namespace {
 
 using testing::IsOk;
+using testing::StatusIs;
 
 constexpr std::chrono::seconds kPatience(60);     // For what must come.
 constexpr std::chrono::milliseconds kSettle(50);  // For a thread to arrive at a lock.
@@ -25,16 +28,30 @@ class WaitingWorkerTest : public CoordinatorTest {
  protected:
   using Grants = std::future<std::vector<GrantedTask>>;
 
+  using Answer = std::future<absl::StatusOr<WorkerOrders>>;
+
   /// A worker with a free slot that waits for a task.
   Grants Wait(const std::string& worker) {
     return std::async(std::launch::async, [this, worker] {
-      const WorkerReport report{.worker = WorkerId{worker},
-                                .build = "1",
-                                .held = {},
-                                .free_slots = 1,
-                                .wait_seconds = 20};
-      return coordinator_->Synchronize(report, [] { return false; })->grants;
+      return coordinator_->Synchronize(ReportOf(worker), [] { return false; })->grants;
     });
+  }
+  /// The same of one that may go meanwhile.
+  Answer WaitUnless(const std::string& worker, std::function<bool()> is_cancelled) {
+    return std::async(std::launch::async, [this, worker, is_cancelled = std::move(is_cancelled)] {
+      return coordinator_->Synchronize(ReportOf(worker), is_cancelled);
+    });
+  }
+  static WorkerReport ReportOf(const std::string& worker) {
+    return {
+        .worker = WorkerId{worker}, .build = "1", .held = {}, .free_slots = 1, .wait_seconds = 20};
+  }
+
+  /// Has the server look again at those who wait, for so long that they may have gone.
+  void AskThoseWhoWait() {
+    std::this_thread::sleep_for(kSettle);
+    clock_.Advance(1);
+    EXPECT_THAT(coordinator_->Tick(), IsOk());
   }
 
   /// What it was given; ends its wait, and those of all others, if that is nothing.
@@ -69,16 +86,15 @@ TEST_F(WaitingWorkerTest, AStageThatEndsBetweenAnAnswerAndItsWaitWakesItToo) {
   std::latch holds(1);
   std::latch let_go(1);
   bool is_first = true;
-  std::thread holder([&] {  // Keeps the lock until the others stand before it, in this order.
-    const WorkerReport report{.worker = WorkerId{"holder"}, .build = "1", .held = {}};
-    (void)coordinator_->Synchronize(report, [&] {
-      if (std::exchange(is_first, false)) {
-        holds.count_down();
-        let_go.wait();
-      }
-      return false;
-    });
+  // Keeps the lock until the others stand before it, in this order; then it goes.
+  auto holder = WaitUnless("holder", [&] {
+    if (std::exchange(is_first, false)) {
+      holds.count_down();
+      let_go.wait();
+    }
+    return true;
   });
+  AskThoseWhoWait();
   holds.wait();
   Grants answering = Wait("answering");
   std::this_thread::sleep_for(kSettle);
@@ -89,7 +105,39 @@ TEST_F(WaitingWorkerTest, AStageThatEndsBetweenAnAnswerAndItsWaitWakesItToo) {
   let_go.count_down();
   EXPECT_THAT(done.get(), IsOk());
   EXPECT_EQ(Given(answered).size() + Given(answering).size(), 2U);
-  holder.join();
+  EXPECT_THAT(holder.get(), StatusIs(absl::StatusCode::kCancelled, "holder has gone"));
+}
+
+TEST_F(WaitingWorkerTest, OneWhoHasGoneIsGivenNothing) {
+  AddScans(4, 1);
+  Submit();
+  const auto all = Take("w", 99);
+  for (size_t i = 1; i < all.size(); ++i) {
+    ASSERT_THAT(Do("w", all[i]), IsOk());
+  }
+  std::atomic<bool> has_gone = false;
+  auto waiting = WaitUnless("waiting", [&] { return has_gone.load(); });
+  AskThoseWhoWait();
+  has_gone = true;
+  ASSERT_THAT(Do("w", all[0]), IsOk());
+  EXPECT_THAT(waiting.get(), StatusIs(absl::StatusCode::kCancelled, "waiting has gone"));
+  for (const GrantedTask& granted : Take("other", 99)) {
+    EXPECT_EQ(granted.lease.epoch, 1) << "task " << granted.task.number << " was given before";
+  }
+}
+
+// It costs as much as the answer, and the caller has just called.
+TEST_F(WaitingWorkerTest, OneWhoIsAnsweredAtOnceIsNotAskedWhetherItIsThere) {
+  AddScans(4, 1);
+  Submit();
+  const WorkerReport report{
+      .worker = WorkerId{"w"}, .build = "1", .held = {}, .free_slots = 1, .wait_seconds = 20};
+  const auto orders = coordinator_->Synchronize(report, [] {
+    ADD_FAILURE() << "asked";
+    return false;
+  });
+  ASSERT_THAT(orders, IsOk());
+  EXPECT_EQ(orders->grants.size(), 1U);
 }
 
 }  // namespace
