@@ -1,6 +1,7 @@
 // What workers ask of the coordinator: to be given tasks, and to keep them.
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <set>
 #include <string>
 #include <utility>
@@ -202,7 +203,9 @@ void Coordinator::AnswerAfter(std::span<QueuedCompletion* const> results) {
       open.push_back(next);
     }
   }
-  open.insert(open.end(), waiting_.begin(), waiting_.end());
+  // One that has its answer, and has not had the lock since, keeps it.
+  std::copy_if(waiting_.begin(), waiting_.end(), std::back_inserter(open),
+               [](const QueuedReport* queued) { return !MustReturn(*queued); });
   if (open.empty()) {
     return;
   }

@@ -126,6 +126,48 @@ TEST_F(WaitingWorkerTest, OneWhoHasGoneIsGivenNothing) {
   }
 }
 
+// A second result that is taken in before the one who waits has had the lock.
+TEST_F(WaitingWorkerTest, OneWhoHasAnAnswerKeepsIt) {
+  AddScans(4, 1);
+  const Job job = Submit();
+  auto all = Take("w", 99);
+  const Job other_job = Submit();
+  const GrantedTask of_other_job = Take("w", 99).at(0);
+  ASSERT_EQ(of_other_job.lease.task.job, other_job.id);
+  for (size_t i = 1; i < all.size(); ++i) {
+    ASSERT_THAT(Do("w", all[i]), IsOk());
+  }
+  std::latch asked(1);
+  std::latch let_go(1);
+  bool is_first = true;
+  auto waiting = WaitUnless("waiting", [&] {  // Under the lock: the next result stands before it.
+    if (std::exchange(is_first, false)) {
+      asked.count_down();
+      let_go.wait();
+    }
+    return false;
+  });
+  std::this_thread::sleep_for(kSettle);
+  clock_.Advance(1);
+  auto first = std::async(std::launch::async, [&] { return Do("w", all[0]); });
+  asked.wait();
+  auto second = std::async(std::launch::async, [&] { return Do("w", of_other_job); });
+  std::this_thread::sleep_for(kSettle);
+  let_go.count_down();
+  EXPECT_THAT(first.get(), IsOk());
+  EXPECT_THAT(second.get(), IsOk());
+  const auto orders = waiting.get();
+  ASSERT_THAT(orders, IsOk());
+  EXPECT_EQ(orders->grants.size(), 1U);
+  size_t of_job = 0;
+  auto left = Take("other", 99);
+  left.insert(left.end(), orders->grants.begin(), orders->grants.end());
+  for (const GrantedTask& granted : left) {
+    of_job += granted.lease.task.job == job.id ? 1 : 0;
+  }
+  EXPECT_EQ(of_job, 4U) << "one task for each mesh: none is lost between";
+}
+
 // It costs as much as the answer, and the caller has just called.
 TEST_F(WaitingWorkerTest, OneWhoIsAnsweredAtOnceIsNotAskedWhetherItIsThere) {
   AddScans(4, 1);
