@@ -8,6 +8,7 @@
 #include <absl/strings/str_cat.h>
 #include <nlohmann/json.hpp>
 
+#include "client/fetched_matrix.h"
 #include "client/files.h"
 #include "client/matrix_files.h"
 #include "client/session.h"
@@ -222,11 +223,10 @@ absl::StatusOr<AnalysisInput> FetchJob(const AnalysisSource& source) {
   COHORT_ASSIGN_OR_RETURN(const std::vector<JobMesh> meshes, session->ListJobMeshes(id));
   COHORT_RETURN_IF_ERROR(RequireUnsigned(job.spec.compare.sign));
   const Metric metric = source.metric.value_or(job.spec.metric);
-  COHORT_ASSIGN_OR_RETURN(const RowMajorMatrix directed,
-                          session->GetMatrix(id, metric, static_cast<int64_t>(meshes.size())));
+  COHORT_ASSIGN_OR_RETURN(const LargeMatrix directed, FetchMatrix(*session, id, metric, meshes));
   AnalysisInput input;
   input.source = source.source;
-  input.matrix = WithoutRejected(directed, meshes);
+  input.matrix = {directed.Labels(), directed.View().values};
   input.metric = std::string(MetricName(metric));
   input.unit = ValueUnit({.metric = metric});
   if (source.symmetrize || job.spec.symmetrization == Symmetrization::kDirected) {

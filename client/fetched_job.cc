@@ -1,5 +1,6 @@
 #include "client/fetched_job.h"
 
+#include "client/fetched_matrix.h"
 #include "common/base/status_macros.h"
 #include "common/report/job_meshes.h"
 #include "common/store/mesh_blob.h"
@@ -7,7 +8,7 @@
 namespace cohort {
 namespace {
 
-std::vector<std::string> UnmeasuredMeshes(const MetricMatrix& directed) {
+std::vector<std::string> UnmeasuredMeshes(const MatrixView& directed) {
   std::vector<std::string> names;
   for (Eigen::Index row = 0; row < directed.values.rows(); ++row) {
     const auto unknown = directed.values.row(row).array().isNaN();
@@ -47,17 +48,15 @@ absl::StatusOr<FetchedJob> FetchJob(Session& session,
   }
   COHORT_ASSIGN_OR_RETURN(const JobOutputs outputs, session.GetOutputs(id));
   COHORT_ASSIGN_OR_RETURN(fetched.meshes, session.ListJobMeshes(id));
-  COHORT_ASSIGN_OR_RETURN(
-      const RowMajorMatrix directed,
-      session.GetMatrix(id, fetched.job.spec.metric, static_cast<int64_t>(fetched.meshes.size())));
-  fetched.matrix = WithoutRejected(directed, fetched.meshes);
-  fetched.unmeasured = UnmeasuredMeshes(fetched.matrix);
+  COHORT_ASSIGN_OR_RETURN(fetched.matrix,
+                          FetchMatrix(session, id, fetched.job.spec.metric, fetched.meshes));
+  fetched.unmeasured = UnmeasuredMeshes(fetched.matrix.View());
   if (fetched.job.spec.symmetrization != Symmetrization::kDirected) {
-    fetched.matrix = Symmetrized(
-        fetched.matrix,
-        fetched.job.spec.symmetrization == Symmetrization::kMax ? PairRule::kMax : PairRule::kMean);
+    Symmetrize(
+        fetched.job.spec.symmetrization == Symmetrization::kMax ? PairRule::kMax : PairRule::kMean,
+        fetched.matrix.Values());
   }
-  fetched.persons = PersonsOf(fetched.matrix.labels, fetched.meshes);
+  fetched.persons = PersonsOf(fetched.matrix.Labels(), fetched.meshes);
   COHORT_ASSIGN_OR_RETURN(fetched.alignments, FetchAlignments(session, outputs.alignments));
   COHORT_ASSIGN_OR_RETURN(fetched.poses, FetchAlignments(session, outputs.poses));
   COHORT_ASSIGN_OR_RETURN(fetched.mean_shape, FetchMesh(session, outputs.mean_shape));

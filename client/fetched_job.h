@@ -19,7 +19,7 @@ struct FetchedJob {
   std::vector<JobMesh> meshes;
   std::vector<MeshAlignment> alignments;
   std::vector<MeshAlignment> poses;
-  MetricMatrix matrix;               ///< Of the meshes that were not rejected, symmetrised.
+  LargeMatrix matrix;                ///< Of the meshes that were not rejected, symmetrised.
   std::vector<std::string> persons;  ///< One per row of the matrix.
   TriangleMesh mean_shape;
   TriangleMesh variation_shape;

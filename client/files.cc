@@ -9,6 +9,7 @@
 #include <fstream>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include <absl/strings/str_cat.h>
 
@@ -72,8 +73,7 @@ absl::Status WriteAll(int fd, std::string_view bytes, const std::string& what) {
     }
     bytes.remove_prefix(static_cast<size_t>(written));
   }
-  // Some file systems report a full disk only here.
-  return fsync(fd) == 0 ? absl::OkStatus() : ErrnoStatus(errno, what);
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -138,26 +138,53 @@ absl::StatusOr<std::string> ReadWholeFile(const fs::path& file) {
   return bytes.str();
 }
 
-absl::Status WriteWholeFile(const fs::path& file, std::string_view bytes) {
+absl::StatusOr<FileWriter> FileWriter::Create(const fs::path& file) {
   const fs::path aside = file.parent_path() / absl::StrCat(".", file.filename().string(), ".new");
-  const std::string what = "cannot write " + file.string();
-  {
-    const Descriptor out(open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC,
-                              S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH));
-    if (out.Get() < 0) {
-      return ErrnoStatus(errno, what);
-    }
-    if (absl::Status written = WriteAll(out.Get(), bytes, what); !written.ok()) {
-      unlink(aside.c_str());
-      return written;
-    }
+  const int descriptor = open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC,
+                              S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
+  FileWriter writer(file, aside, descriptor);
+  if (descriptor < 0) {
+    return ErrnoStatus(errno, writer.What());
   }
-  if (rename(aside.c_str(), file.c_str()) != 0) {
-    absl::Status status = ErrnoStatus(errno, what);
-    unlink(aside.c_str());
-    return status;
+  return writer;
+}
+
+FileWriter::FileWriter(fs::path file, fs::path aside, int descriptor)
+    : file_(std::move(file)), aside_(std::move(aside)), descriptor_(descriptor) {}
+
+FileWriter::FileWriter(FileWriter&& other) noexcept
+    : file_(std::move(other.file_)),
+      aside_(std::move(other.aside_)),
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+FileWriter::~FileWriter() {
+  if (descriptor_ >= 0) {
+    close(descriptor_);
+    unlink(aside_.c_str());
   }
+}
+
+std::string FileWriter::What() const {
+  return "cannot write " + file_.string();
+}
+
+absl::Status FileWriter::Append(std::string_view bytes) {
+  return WriteAll(descriptor_, bytes, What());
+}
+
+absl::Status FileWriter::Finish() {
+  // Some file systems report a full disk only here.
+  if (fsync(descriptor_) != 0 || rename(aside_.c_str(), file_.c_str()) != 0) {
+    return ErrnoStatus(errno, What());
+  }
+  close(std::exchange(descriptor_, -1));
   return absl::OkStatus();
+}
+
+absl::Status WriteWholeFile(const fs::path& file, std::string_view bytes) {
+  COHORT_ASSIGN_OR_RETURN(FileWriter writer, FileWriter::Create(file));
+  COHORT_RETURN_IF_ERROR(writer.Append(bytes));
+  return writer.Finish();
 }
 
 absl::Status PrepareFolder(const fs::path& folder) {

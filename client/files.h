@@ -26,6 +26,32 @@ struct FileDigest {
 
 [[nodiscard]] absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& file);
 
+/// A file that is written a part at a time: aside, so that a reader sees the old file or the whole
+/// new one. What is not finished is taken away.
+class FileWriter {
+ public:
+  /// @return kNotFound, kPermissionDenied or kUnknown; naming the file, as do the others.
+  [[nodiscard]] static absl::StatusOr<FileWriter> Create(const std::filesystem::path& file);
+  FileWriter(FileWriter&& other) noexcept;
+  FileWriter& operator=(FileWriter&&) = delete;
+  FileWriter(const FileWriter&) = delete;
+  FileWriter& operator=(const FileWriter&) = delete;
+  ~FileWriter();
+
+  /// @return kResourceExhausted if the disk is full, else kUnknown.
+  [[nodiscard]] absl::Status Append(std::string_view bytes);
+  /// Syncs the file and gives it its name.
+  [[nodiscard]] absl::Status Finish();
+
+ private:
+  FileWriter(std::filesystem::path file, std::filesystem::path aside, int descriptor);
+  [[nodiscard]] std::string What() const;
+
+  std::filesystem::path file_;
+  std::filesystem::path aside_;
+  int descriptor_ = -1;  ///< -1: there is nothing aside.
+};
+
 /// Writes aside and renames, so that a reader sees the old file or the whole new one.
 /// @return kResourceExhausted if the disk is full, kPermissionDenied, else kUnknown; naming the
 /// file.

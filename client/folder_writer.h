@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -26,6 +27,13 @@ class FolderWriter {
     COHORT_RETURN_IF_ERROR(bytes.status());
     files_.push_back(file);
     return WriteWholeFile(folder_ / file.name, *bytes);
+  }
+  /// A file that a function writes, given its path.
+  [[nodiscard]] absl::Status Write(
+      const ResultFile& file,
+      const std::function<absl::Status(const std::filesystem::path&)>& write) {
+    files_.push_back(file);
+    return write(folder_ / file.name);
   }
   /// A file that was written by others.
   void Note(const ResultFile& file) { files_.push_back(file); }

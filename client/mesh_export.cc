@@ -89,7 +89,7 @@ absl::StatusOr<int64_t> WriteAlignedMeshes(Session& session,
   COHORT_RETURN_IF_ERROR(PrepareFolder(folder));
   const std::vector<size_t> meshes = MeshesOfRows(fetched);
   const std::vector<Similarity> transforms = TransformsOf(fetched);
-  const std::vector<std::string> names = ExportNames(fetched.matrix.labels, format);
+  const std::vector<std::string> names = ExportNames(fetched.matrix.Labels(), format);
   std::vector<absl::Status> written(meshes.size());
   executor.ParallelFor(std::ssize(meshes), [&](int64_t i) {
     const auto row = static_cast<size_t>(i);
@@ -102,7 +102,7 @@ absl::StatusOr<int64_t> WriteAlignedMeshes(Session& session,
     written[row] = WriteWholeFile(folder / names[row], Encode(*mesh, format));
   });
   for (size_t row = 0; row < meshes.size(); ++row) {
-    COHORT_RETURN_IF_ERROR(WithName(fetched.matrix.labels[row], written[row]));
+    COHORT_RETURN_IF_ERROR(WithName(fetched.matrix.Labels()[row], written[row]));
   }
   return std::ssize(meshes);
 }

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <vector>
 
+#include "client/fetched_matrix.h"
 #include "client/files.h"
+#include "client/matrix_writer.h"
 #include "common/base/status_macros.h"
-#include "common/report/csv.h"
 #include "common/report/heatmap.h"
-#include "common/report/job_meshes.h"
 
 namespace cohort {
 
@@ -15,16 +15,16 @@ absl::StatusOr<int64_t> WritePreview(Session& session,
                                      const Job& job,
                                      const std::filesystem::path& folder) {
   COHORT_ASSIGN_OR_RETURN(const std::vector<JobMesh> meshes, session.ListJobMeshes(job.id));
-  COHORT_ASSIGN_OR_RETURN(const RowMajorMatrix values,
-                          session.GetPreview(job.id, static_cast<int64_t>(meshes.size())));
-  const MetricMatrix matrix = WithoutRejected(values, meshes);
+  COHORT_ASSIGN_OR_RETURN(const LargeMatrix matrix, FetchPreview(session, job.id, meshes));
+  const MatrixView view = matrix.View();
   COHORT_RETURN_IF_ERROR(PrepareFolder(folder));
-  COHORT_RETURN_IF_ERROR(WriteWholeFile(folder / "preview_matrix.csv",
-                                        MatrixCsv(matrix, "preview of corresponded rms")));
+  SerialExecutor executor;
+  COHORT_RETURN_IF_ERROR(
+      WriteMatrixCsv(folder / "preview_matrix.csv", view, "preview of corresponded rms", executor));
   const MatrixDescription description{.method = job.spec.method, .is_preview = true};
-  COHORT_ASSIGN_OR_RETURN(const std::string picture, HeatmapPng(matrix, description));
+  COHORT_ASSIGN_OR_RETURN(const std::string picture, HeatmapPng(view, description));
   COHORT_RETURN_IF_ERROR(WriteWholeFile(folder / "preview_heatmap.png", picture));
-  return static_cast<int64_t>(matrix.labels.size());
+  return std::ssize(view.labels);
 }
 
 bool HasFreshPreview(const Job& job) {

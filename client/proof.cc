@@ -9,6 +9,7 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "client/fetched_matrix.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 #include "common/jobs/field_blob.h"
@@ -91,12 +92,13 @@ absl::StatusOr<PairProof> ProvePairs(
     return frame.Meshes()[static_cast<size_t>(frame.Active()[place])].mesh.name;
   };
   for (const Metric metric : kAllMetrics) {
-    COHORT_ASSIGN_OR_RETURN(
-        const RowMajorMatrix matrix,
-        session.GetMatrix(frame.GetJob().id, metric, std::ssize(frame.Meshes())));
+    COHORT_ASSIGN_OR_RETURN(const LargeMatrix matrix,
+                            FetchMatrix(session, frame.GetJob().id, metric, frame.Meshes()));
+    const MatrixView view = matrix.View();
     for (size_t i = 0; i < pairs.size(); ++i) {
       const auto [source, target] = pairs[i];
-      const double first = matrix(frame.Active()[source], frame.Active()[target]);
+      const double first =
+          view.values(static_cast<Eigen::Index>(source), static_cast<Eigen::Index>(target));
       const double second = again[i][static_cast<size_t>(metric)];
       ++result.numbers;
       if (std::bit_cast<uint64_t>(first) != std::bit_cast<uint64_t>(second) &&

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <utility>
 
 #include <absl/strings/str_cat.h>
 
+#include "client/fetched_matrix.h"
 #include "common/base/status_macros.h"
 #include "common/jobs/field_blob.h"
 #include "common/pairs/distance_finder.h"
@@ -55,9 +57,11 @@ class Remeasurer {
     switch (result_.source) {
       case MeasureSource::kAuto:
       case MeasureSource::kMetrics: {
-        COHORT_ASSIGN_OR_RETURN(result_.directed,
-                                session.GetMatrix(frame_.GetJob().id, options_.measure.metric,
-                                                  std::ssize(frame_.Meshes())));
+        std::vector<int64_t> rows(frame_.Meshes().size());
+        std::iota(rows.begin(), rows.end(), int64_t{0});
+        COHORT_RETURN_IF_ERROR(session.ReadMatrix(
+            frame_.GetJob().id, options_.measure.metric,
+            [&](const MatrixPart& part) { return PutPart(part, rows, result_.directed); }));
         break;
       }
       case MeasureSource::kKept:

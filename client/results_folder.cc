@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <string_view>
 #include <thread>
 
 #include "client/fetched_job.h"
 #include "client/files.h"
 #include "client/folder_writer.h"
+#include "client/matrix_writer.h"
 #include "client/preview.h"
 #include "client/report_file.h"
 #include "common/analysis/clustering.h"
@@ -38,6 +41,10 @@ bool HasNeighbours(const JobSpec& spec) {
   return spec.compare.sign == DistanceSign::kAbsolute;
 }
 
+bool HasTree(const FetchedJob& fetched) {
+  return std::ssize(fetched.matrix.Labels()) <= kMostClustered;
+}
+
 /// What the files of this job do not say themselves.
 std::vector<std::string> NotesOf(const FetchedJob& fetched) {
   constexpr size_t kNamed = 3;
@@ -52,6 +59,10 @@ std::vector<std::string> NotesOf(const FetchedJob& fetched) {
   if (!HasNeighbours(spec)) {
     notes.emplace_back(
         "neighbours.csv is left out: of signed distances the smallest is not the most similar");
+  }
+  if (!HasTree(fetched)) {
+    notes.push_back("dendrogram.newick is left out: it is made of up to " +
+                    std::to_string(kMostClustered) + " meshes");
   }
   std::string names;
   for (size_t i = 0; i < std::min(kNamed, fetched.unmeasured.size()); ++i) {
@@ -72,14 +83,18 @@ std::vector<std::string> NotesOf(const FetchedJob& fetched) {
 absl::Status WriteTables(FolderWriter& out,
                          const FetchedJob& fetched,
                          const std::vector<std::vector<Neighbour>>& neighbours,
-                         const std::string& unit) {
+                         const std::string& unit,
+                         Executor& executor) {
   const JobSpec& spec = fetched.job.spec;
-  COHORT_RETURN_IF_ERROR(out.Write({"matrix.csv", "metric of every pair, with file names", unit},
-                                   MatrixCsv(fetched.matrix, spec.metric)));
+  const MatrixView matrix = fetched.matrix.View();
+  COHORT_RETURN_IF_ERROR(out.Write(
+      {"matrix.csv", "metric of every pair, with file names", unit}, [&](const auto& file) {
+        return WriteMatrixCsv(file, matrix, MetricName(spec.metric), executor);
+      }));
   if (HasNeighbours(spec)) {
     COHORT_RETURN_IF_ERROR(
         out.Write({"neighbours.csv", "the most similar meshes of each mesh", unit},
-                  NeighboursCsv(fetched.matrix, neighbours, fetched.persons)));
+                  NeighboursCsv(matrix, neighbours, fetched.persons)));
   } else {
     out.LeaveOut("neighbours.csv");
   }
@@ -98,9 +113,9 @@ absl::Status WriteTables(FolderWriter& out,
   }
   COHORT_RETURN_IF_ERROR(
       out.Write({"matrix.npy", "matrix.csv for NumPy, row = source, column = target", unit},
-                MatrixNpy(fetched.matrix.values)));
+                [&](const auto& file) { return WriteMatrixNpy(file, matrix); }));
   return out.Write({"labels.txt", "file names of the rows of matrix.npy", ""},
-                   LabelsText(fetched.matrix.labels));
+                   LabelsText(matrix.labels));
 }
 
 absl::Status WritePictures(FolderWriter& out,
@@ -108,9 +123,10 @@ absl::Status WritePictures(FolderWriter& out,
                            const MatrixDescription& description) {
   const std::string unit = ValueUnit(description);
   COHORT_RETURN_IF_ERROR(out.Write({"heatmap.png", "the matrix as a picture", unit},
-                                   HeatmapPng(fetched.matrix, description)));
-  COHORT_RETURN_IF_ERROR(out.Write({"histogram.png", "distribution of the pairs", unit},
-                                   HistogramPng(fetched.matrix, description, fetched.persons)));
+                                   HeatmapPng(fetched.matrix.View(), description)));
+  COHORT_RETURN_IF_ERROR(
+      out.Write({"histogram.png", "distribution of the pairs", unit},
+                HistogramPng(fetched.matrix.View(), description, fetched.persons)));
   const JobSpec& spec = fetched.job.spec;
   const bool is_fidentis = spec.arithmetic == Arithmetic::kFidentis;
   const std::string mean = "the mean shape";
@@ -141,8 +157,8 @@ absl::Status WriteExtras(Session& session,
                          const FetchedJob& fetched,
                          const ReportParts& parts,
                          const ResultsOptions& options,
+                         Executor& threads,
                          FolderWriter& out) {
-  ThreadPool threads(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 16));
   if (options.report == ResultsOptions::Report::kWrite) {
     COHORT_RETURN_IF_ERROR(out.Write(
         {"report.html", "all of it for people: open it in a browser", ""},
@@ -159,27 +175,40 @@ absl::Status WriteExtras(Session& session,
   return absl::OkStatus();
 }
 
-/// The tree of average linkage; nothing where the values are no distances or some are missing.
+/// The tree of average linkage; nothing where the values are no distances or some are missing, or
+/// for more meshes than can be clustered.
 absl::Status WriteTree(FolderWriter& out, const FetchedJob& fetched, const std::string& unit) {
   const JobSpec& spec = fetched.job.spec;
-  const bool directed = spec.symmetrization == Symmetrization::kDirected;
-  const MetricMatrix matrix =
-      directed ? Symmetrized(fetched.matrix, PairRule::kMean) : fetched.matrix;
-  const absl::StatusOr<Dendrogram> tree = ClusterMeshes(matrix, Linkage::kAverage);
-  if (!HasNeighbours(spec) || !tree.ok()) {
+  if (!HasNeighbours(spec) || !HasTree(fetched)) {
+    out.LeaveOut("dendrogram.newick");
+    return absl::OkStatus();
+  }
+  absl::StatusOr<Dendrogram> tree;
+  if (spec.symmetrization == Symmetrization::kDirected) {
+    LargeMatrix undirected(fetched.matrix.View());
+    Symmetrize(PairRule::kMean, undirected.Values());
+    tree = ClusterMeshes(undirected.View(), Linkage::kAverage);
+  } else {
+    tree = ClusterMeshes(fetched.matrix.View(), Linkage::kAverage);
+  }
+  if (!tree.ok()) {
     out.LeaveOut("dendrogram.newick");
     return absl::OkStatus();
   }
   return out.Write({"dendrogram.newick", "clusters by average linkage, as a tree", unit},
-                   NewickText(*tree, matrix.labels));
+                   NewickText(*tree, fetched.matrix.Labels()));
 }
 
 void CountPersons(const FetchedJob& fetched,
                   const std::vector<std::vector<Neighbour>>& neighbours,
                   ResultsDigest& digest) {
+  std::map<std::string_view, int64_t> meshes_of;
+  for (const std::string& person : fetched.persons) {
+    ++meshes_of[person];
+  }
   for (size_t i = 0; i < fetched.persons.size(); ++i) {
     const std::string& person = fetched.persons[i];
-    if (person.empty() || std::count(fetched.persons.begin(), fetched.persons.end(), person) < 2) {
+    if (person.empty() || meshes_of[person] < 2) {
       continue;
     }
     ++digest.with_same_person;
@@ -204,9 +233,10 @@ absl::StatusOr<ResultsDigest> WriteResults(Session& session,
                                       .symmetrization = spec.symmetrization,
                                       .arithmetic = spec.arithmetic,
                                       .sign = spec.compare.sign};
-  const auto neighbours = NearestNeighbours(fetched.matrix, spec.neighbours);
+  const auto neighbours = NearestNeighbours(fetched.matrix.View(), spec.neighbours);
+  ThreadPool threads(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 16));
   FolderWriter out(folder);
-  COHORT_RETURN_IF_ERROR(WriteTables(out, fetched, neighbours, ValueUnit(description)));
+  COHORT_RETURN_IF_ERROR(WriteTables(out, fetched, neighbours, ValueUnit(description), threads));
   COHORT_RETURN_IF_ERROR(WriteTree(out, fetched, ValueUnit(description)));
   COHORT_RETURN_IF_ERROR(WritePictures(out, fetched, description));
   if (spec.preview) {
@@ -222,8 +252,8 @@ absl::StatusOr<ResultsDigest> WriteResults(Session& session,
   digest.job = fetched.job;
   digest.meshes = fetched.meshes;
   digest.notes = NotesOf(fetched);
-  COHORT_RETURN_IF_ERROR(
-      WriteExtras(session, fetched, {description, neighbours, digest.notes}, options, out));
+  COHORT_RETURN_IF_ERROR(WriteExtras(session, fetched, {description, neighbours, digest.notes},
+                                     options, threads, out));
   if (HasNeighbours(spec)) {
     CountPersons(fetched, neighbours, digest);
   }

@@ -240,30 +240,23 @@ absl::StatusOr<JobOutputs> Session::GetOutputs(const JobId& id) {
 
 namespace {
 
-RowMajorMatrix UnknownMatrix(int64_t count) {
-  return RowMajorMatrix::Constant(count, count, std::numeric_limits<double>::quiet_NaN());
-}
-
-/// Puts the values of a block, row by row, into their places.
-/// @return kDataLoss if they do not fit the block or the matrix.
+/// Hands on the values of a block of the stream.
+/// @return kDataLoss if they do not fit it.
 template <typename Indices, typename Values>
-absl::Status FillBlock(const JobId& id,
+absl::Status TakeBlock(const JobId& id,
                        const Indices& rows,
                        const Indices& columns,
                        const Values& values,
-                       RowMajorMatrix& matrix) {
-  const auto in_range = [&](int32_t index) { return index >= 0 && index < matrix.rows(); };
+                       const MatrixTaker& take) {
+  const auto is_negative = [](int32_t index) { return index < 0; };
   if (int64_t{rows.size()} * columns.size() != values.size() ||
-      !std::all_of(rows.begin(), rows.end(), in_range) ||
-      !std::all_of(columns.begin(), columns.end(), in_range)) {
+      std::any_of(rows.begin(), rows.end(), is_negative) ||
+      std::any_of(columns.begin(), columns.end(), is_negative)) {
     return absl::DataLossError("job " + id.value + ": the server sent a broken matrix block");
   }
-  for (int row = 0; row < rows.size(); ++row) {
-    for (int column = 0; column < columns.size(); ++column) {
-      matrix(rows[row], columns[column]) = values[row * columns.size() + column];
-    }
-  }
-  return absl::OkStatus();
+  return take({.rows = {rows.data(), static_cast<size_t>(rows.size())},
+               .columns = {columns.data(), static_cast<size_t>(columns.size())},
+               .values = {values.data(), static_cast<size_t>(values.size())}});
 }
 
 }  // namespace
@@ -273,44 +266,39 @@ absl::Status Session::SendBlob(const std::string& bytes) {
   return exists ? absl::OkStatus() : blobs_.Put(bytes).status();
 }
 
-absl::StatusOr<RowMajorMatrix> Session::GetMatrix(const JobId& id, Metric metric, int64_t count) {
+absl::Status Session::ReadMatrix(const JobId& id, Metric metric, const MatrixTaker& take) {
   v1::GetMatrixRequest request;
   request.set_id(id.value);
   request.set_metric(ToProto(metric));
   grpc::ClientContext context;
   SetDeadline(context, kStreamDeadlineSeconds);
   const auto reader = results_->GetMatrix(&context, request);
-  RowMajorMatrix matrix = UnknownMatrix(count);
   v1::GetMatrixResponse block;
   while (reader->Read(&block)) {
-    if (absl::Status status =
-            FillBlock(id, block.sources(), block.targets(), block.values(), matrix);
+    if (absl::Status status = TakeBlock(id, block.sources(), block.targets(), block.values(), take);
         !status.ok()) {
       context.TryCancel();
       return status;
     }
   }
-  COHORT_RETURN_IF_ERROR(FromGrpcStatus(reader->Finish(), address_));
-  return matrix;
+  return FromGrpcStatus(reader->Finish(), address_);
 }
 
-absl::StatusOr<RowMajorMatrix> Session::GetPreview(const JobId& id, int64_t count) {
+absl::Status Session::ReadPreview(const JobId& id, const MatrixTaker& take) {
   v1::GetPreviewRequest request;
   request.set_id(id.value);
   grpc::ClientContext context;
   SetDeadline(context, kStreamDeadlineSeconds);
   const auto reader = results_->GetPreview(&context, request);
-  RowMajorMatrix matrix = UnknownMatrix(count);
   v1::GetPreviewResponse block;
   while (reader->Read(&block)) {
-    if (absl::Status status = FillBlock(id, block.rows(), block.columns(), block.values(), matrix);
+    if (absl::Status status = TakeBlock(id, block.rows(), block.columns(), block.values(), take);
         !status.ok()) {
       context.TryCancel();
       return status;
     }
   }
-  COHORT_RETURN_IF_ERROR(FromGrpcStatus(reader->Finish(), address_));
-  return matrix.array().isNaN().select(matrix.transpose().eval(), matrix);
+  return FromGrpcStatus(reader->Finish(), address_);
 }
 
 }  // namespace cohort

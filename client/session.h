@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,14 @@
 #include "common/rpc/rpc_blob_store.h"
 
 namespace cohort {
+
+/// Values of rows x columns of a matrix, row by row; both are indices of the job's meshes.
+struct MatrixPart {
+  std::span<const int32_t> rows;
+  std::span<const int32_t> columns;
+  std::span<const double> values;
+};
+using MatrixTaker = std::function<absl::Status(const MatrixPart&)>;
 
 /// A client's connection to a server: one method per call, plain types, a deadline each. An
 /// unreachable server is kUnavailable and names the address. Not thread-safe.
@@ -79,12 +88,11 @@ class Session {
 
   [[nodiscard]] absl::StatusOr<std::vector<JobMesh>> ListJobMeshes(const JobId& id);
   [[nodiscard]] absl::StatusOr<JobOutputs> GetOutputs(const JobId& id);
-  /// Directed values over the job's `count` meshes; NaN where nothing was measured.
-  [[nodiscard]] absl::StatusOr<RowMajorMatrix> GetMatrix(const JobId& id,
-                                                         Metric metric,
-                                                         int64_t count);
-  /// The preview, undirected; kFailedPrecondition if there is none (yet).
-  [[nodiscard]] absl::StatusOr<RowMajorMatrix> GetPreview(const JobId& id, int64_t count);
+  /// Directed values, part by part as they come. Ends with the first error of `take`.
+  [[nodiscard]] absl::Status ReadMatrix(const JobId& id, Metric metric, const MatrixTaker& take);
+  /// The preview, undirected: a part of two different sets of meshes stands for its transpose too.
+  /// @return kFailedPrecondition if there is none (yet).
+  [[nodiscard]] absl::Status ReadPreview(const JobId& id, const MatrixTaker& take);
   /// Writes the blob unless the server has it.
   [[nodiscard]] absl::Status SendBlob(const std::string& bytes);
   [[nodiscard]] BlobStore& Blobs() { return blobs_; }

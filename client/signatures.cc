@@ -102,7 +102,7 @@ absl::StatusOr<std::vector<int32_t>> Signatures::Nearest(const JobFrame& frame,
   return nearest;
 }
 
-double Signatures::Recall(const RowMajorMatrix& exact,
+double Signatures::Recall(const Eigen::Ref<const RowMajorMatrix>& exact,
                           int64_t top,
                           int64_t count,
                           int64_t probes) const {

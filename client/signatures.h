@@ -30,7 +30,7 @@ class Signatures {
   /// each looked for among all others.
   /// @param exact  one value per pair, of the active meshes in the order of Active(). NaN: not
   /// near.
-  [[nodiscard]] double Recall(const RowMajorMatrix& exact,
+  [[nodiscard]] double Recall(const Eigen::Ref<const RowMajorMatrix>& exact,
                               int64_t top,
                               int64_t count,
                               int64_t probes) const;

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/commands/command.h"
+#include "client/fetched_matrix.h"
 #include "client/files.h"
 #include "client/folder_writer.h"
 #include "client/job_source.h"
@@ -59,7 +60,7 @@ struct Gallery {
   std::vector<std::string> persons;  ///< By job index; empty: unknown.
   /// Ascending values of the job's pairs of different people (of all pairs without persons), where
   /// the job has the metric.
-  std::vector<double> different;
+  ScratchVector<double> different;
   std::optional<Shortlist> shortlist;  ///< Empty: all meshes are compared.
 };
 
@@ -70,22 +71,20 @@ struct Identified {
 };
 
 /// The job's values as a probe's are: one number a pair, of the active meshes.
-absl::StatusOr<MetricMatrix> MatrixOf(Session& session, const Gallery& gallery) {
+absl::StatusOr<LargeMatrix> MatrixOf(Session& session, const Gallery& gallery) {
   const Job& job = gallery.frame->GetJob();
-  COHORT_ASSIGN_OR_RETURN(
-      const RowMajorMatrix directed,
-      session.GetMatrix(job.id, gallery.measure.metric, std::ssize(gallery.frame->Meshes())));
-  MetricMatrix matrix = WithoutRejected(directed, gallery.frame->Meshes());
+  COHORT_ASSIGN_OR_RETURN(LargeMatrix matrix, FetchMatrix(session, job.id, gallery.measure.metric,
+                                                          gallery.frame->Meshes()));
   if (job.spec.symmetrization != Symmetrization::kDirected) {
-    matrix = Symmetrized(
-        matrix, job.spec.symmetrization == Symmetrization::kMax ? PairRule::kMax : PairRule::kMean);
+    Symmetrize(job.spec.symmetrization == Symmetrization::kMax ? PairRule::kMax : PairRule::kMean,
+               matrix.Values());
   }
   return matrix;
 }
 
 absl::StatusOr<std::optional<Shortlist>> MakeShortlist(const IdentifyFlags& flags,
                                                        const Gallery& gallery,
-                                                       const std::optional<MetricMatrix>& exact) {
+                                                       const std::optional<LargeMatrix>& exact) {
   const int64_t meshes = std::ssize(gallery.frame->Active());
   int64_t length = flags.shortlist.value_or(0);
   if (!flags.shortlist && meshes > kComparedInAnyCase) {
@@ -108,7 +107,7 @@ absl::StatusOr<std::optional<Shortlist>> MakeShortlist(const IdentifyFlags& flag
   if (exact) {
     shortlist.probes = std::min(kRecallProbes, meshes);
     shortlist.recall =
-        shortlist.signatures.Recall(exact->values, flags.top, length, shortlist.probes);
+        shortlist.signatures.Recall(exact->View().values, flags.top, length, shortlist.probes);
   }
   return shortlist;
 }
@@ -126,12 +125,12 @@ absl::StatusOr<Gallery> OpenGallery(const IdentifyFlags& flags, const OpenedJob&
     const auto found = mesh.mesh.labels.find(std::string(kPersonLabel));
     gallery.persons.push_back(found == mesh.mesh.labels.end() ? "" : found->second);
   }
-  std::optional<MetricMatrix> exact;
+  std::optional<LargeMatrix> exact;
   if (gallery.measure.IsPlainMetric()) {
     COHORT_ASSIGN_OR_RETURN(exact, MatrixOf(*opened.session, gallery));
-    const std::vector<std::string> persons = PersonsOf(exact->labels, gallery.frame->Meshes());
+    const std::vector<std::string> persons = PersonsOf(exact->Labels(), gallery.frame->Meshes());
     gallery.different =
-        CollectPairs(*exact, gallery.frame->GetJob().spec.symmetrization, persons).different;
+        CollectPairs(exact->View(), gallery.frame->GetJob().spec.symmetrization, persons).different;
   }
   COHORT_ASSIGN_OR_RETURN(gallery.shortlist, MakeShortlist(flags, gallery, exact));
   return gallery;

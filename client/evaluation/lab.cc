@@ -4,8 +4,8 @@
 
 #include <absl/strings/str_cat.h>
 
+#include "client/fetched_matrix.h"
 #include "common/base/status_macros.h"
-#include "common/report/job_meshes.h"
 
 namespace cohort {
 namespace {
@@ -70,9 +70,9 @@ absl::StatusOr<Experiment> Lab::Run(const std::string& set, JobSpec spec, Timing
 absl::StatusOr<MetricMatrix> Lab::Matrix(const Experiment& experiment, Metric metric) {
   COHORT_ASSIGN_OR_RETURN(const std::vector<JobMesh> meshes,
                           session_->ListJobMeshes(experiment.job.id));
-  COHORT_ASSIGN_OR_RETURN(const RowMajorMatrix directed,
-                          session_->GetMatrix(experiment.job.id, metric, std::ssize(meshes)));
-  return Symmetrized(WithoutRejected(directed, meshes), PairRule::kMean);
+  COHORT_ASSIGN_OR_RETURN(const LargeMatrix directed,
+                          FetchMatrix(*session_, experiment.job.id, metric, meshes));
+  return Symmetrized(directed.View(), PairRule::kMean);
 }
 
 JobSpec ThesisSpec(Method method, int iterations, double tolerance, int rounds) {

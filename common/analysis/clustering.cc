@@ -52,8 +52,9 @@ struct FoundMerge {
 /// Clusters that may still merge, each in the row and column of its lowest mesh.
 class NeighbourChain {
  public:
-  NeighbourChain(RowMajorMatrix distances, Linkage linkage)
-      : distances_(std::move(distances)),
+  NeighbourChain(const MatrixView& distances, Linkage linkage)
+      : copy_(distances),
+        distances_(copy_.Values()),
         linkage_(linkage),
         sizes_(static_cast<size_t>(distances_.rows()), 1),
         heights_(sizes_.size(), 0) {
@@ -130,7 +131,8 @@ class NeighbourChain {
     return {low, high, heights_[x]};
   }
 
-  RowMajorMatrix distances_;
+  LargeMatrix copy_;
+  Eigen::Map<RowMajorMatrix> distances_;
   Linkage linkage_;
   std::vector<double> sizes_;    ///< Meshes by lowest mesh; 0: merged into another.
   std::vector<double> heights_;  ///< Of the merge that made the cluster.
@@ -212,11 +214,11 @@ std::optional<Linkage> LinkageFromName(std::string_view name) {
   return std::nullopt;
 }
 
-absl::StatusOr<Dendrogram> ClusterMeshes(const MetricMatrix& distances, Linkage linkage) {
+absl::StatusOr<Dendrogram> ClusterMeshes(const MatrixView& distances, Linkage linkage) {
   COHORT_RETURN_IF_ERROR(RequireDissimilarities(distances, 2));
   COHORT_RETURN_IF_ERROR(RequireComplete(distances));
   Dendrogram dendrogram;
-  dendrogram.merges = NumberMerges(NeighbourChain(distances.values, linkage).FindMerges());
+  dendrogram.merges = NumberMerges(NeighbourChain(distances, linkage).FindMerges());
   dendrogram.leaf_order = LeavesInOrder(dendrogram.merges);
   return dendrogram;
 }

@@ -34,14 +34,18 @@ struct Dendrogram {
   std::vector<int64_t> leaf_order;  ///< N meshes such that no branches cross: left before right.
 };
 
+/// More meshes take hours where the copy of their matrix (3.2 GB at this number) does not fit into
+/// the machine's memory: their columns lie far apart.
+inline constexpr int64_t kMostClustered = 20'000;
+
 /// Agglomerative clustering of N >= 2 meshes, by the nearest-neighbour chain: O(N^2) time, and one
-/// copy of the matrix.
+/// copy of the matrix (a LargeMatrix).
 ///
 /// Ties: the chain begins at the lowest cluster and goes on to the nearest; of several, to where it
 /// came from, else to the one with the lowest mesh. Merges of equal height stay in the order found.
 /// @return as RequireDissimilarities and RequireComplete.
 /// Source: Murtagh 1983; Lance, Williams 1967 (update); Murtagh, Legendre 2014 (Ward).
-[[nodiscard]] absl::StatusOr<Dendrogram> ClusterMeshes(const MetricMatrix& distances,
+[[nodiscard]] absl::StatusOr<Dendrogram> ClusterMeshes(const MatrixView& distances,
                                                        Linkage linkage);
 
 /// The tree in Newick form, one line with LF: "((a:1,b:1):0.5,c:1.5);". Branch lengths are height

@@ -14,12 +14,12 @@ namespace cohort {
 namespace {
 
 /// "anna.ply, bob.ply".
-std::string Pair(const MetricMatrix& matrix, Eigen::Index row, Eigen::Index column) {
+std::string Pair(const MatrixView& matrix, Eigen::Index row, Eigen::Index column) {
   return absl::StrCat(matrix.labels[static_cast<size_t>(row)], ", ",
                       matrix.labels[static_cast<size_t>(column)]);
 }
 
-absl::Status RequireShape(const MetricMatrix& matrix, int64_t least) {
+absl::Status RequireShape(const MatrixView& matrix, int64_t least) {
   const Eigen::Index rows = matrix.values.rows();
   if (rows != matrix.values.cols()) {
     return absl::InvalidArgumentError(
@@ -52,7 +52,7 @@ bool Agree(double a, double b) {
 
 }  // namespace
 
-absl::Status RequireSymmetric(const MetricMatrix& matrix, int64_t least) {
+absl::Status RequireSymmetric(const MatrixView& matrix, int64_t least) {
   COHORT_RETURN_IF_ERROR(RequireShape(matrix, least));
   for (Eigen::Index row = 0; row < matrix.values.rows(); ++row) {
     for (Eigen::Index column = 0; column < row; ++column) {
@@ -68,7 +68,7 @@ absl::Status RequireSymmetric(const MetricMatrix& matrix, int64_t least) {
   return absl::OkStatus();
 }
 
-absl::Status RequireDissimilarities(const MetricMatrix& matrix, int64_t least) {
+absl::Status RequireDissimilarities(const MatrixView& matrix, int64_t least) {
   COHORT_RETURN_IF_ERROR(RequireSymmetric(matrix, least));
   for (Eigen::Index row = 0; row < matrix.values.rows(); ++row) {
     for (Eigen::Index column = 0; column <= row; ++column) {
@@ -88,7 +88,7 @@ absl::Status RequireDissimilarities(const MetricMatrix& matrix, int64_t least) {
   return absl::OkStatus();
 }
 
-absl::Status RequireComplete(const MetricMatrix& matrix) {
+absl::Status RequireComplete(const MatrixView& matrix) {
   for (Eigen::Index row = 0; row < matrix.values.rows(); ++row) {
     for (Eigen::Index column = 0; column < matrix.values.cols(); ++column) {
       if (row != column && std::isnan(matrix.values(row, column))) {
@@ -100,7 +100,7 @@ absl::Status RequireComplete(const MetricMatrix& matrix) {
   return absl::OkStatus();
 }
 
-std::vector<int64_t> CompleteMeshes(const MetricMatrix& matrix) {
+std::vector<int64_t> CompleteMeshes(const MatrixView& matrix) {
   const Eigen::Index count = matrix.values.rows();
   const auto is_missing = [&](Eigen::Index row, Eigen::Index column) {
     return row != column &&
@@ -130,7 +130,7 @@ std::vector<int64_t> CompleteMeshes(const MetricMatrix& matrix) {
   return kept;
 }
 
-MetricMatrix PartOf(const MetricMatrix& matrix, const std::vector<int64_t>& meshes) {
+MetricMatrix PartOf(const MatrixView& matrix, const std::vector<int64_t>& meshes) {
   MetricMatrix part;
   part.values = matrix.values(meshes, meshes);
   part.labels.reserve(meshes.size());

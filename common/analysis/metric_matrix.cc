@@ -64,19 +64,44 @@ double Dot(const std::vector<double>& a, const std::vector<double>& b) {
 
 }  // namespace
 
-MetricMatrix Symmetrized(const MetricMatrix& directed, PairRule rule) {
-  assert(directed.values.rows() == directed.values.cols());
-  MetricMatrix symmetric = directed;
-  for (Eigen::Index row = 0; row < directed.values.rows(); ++row) {
-    for (Eigen::Index column = 0; column < directed.values.cols(); ++column) {
-      symmetric.values(row, column) =
-          Combined(directed.values(row, column), directed.values(column, row), rule);
-    }
-  }
+LargeMatrix::LargeMatrix(std::vector<std::string> labels)
+    : labels_(std::move(labels)),
+      values_(labels_.size() * labels_.size(), std::numeric_limits<double>::quiet_NaN()) {}
+
+LargeMatrix::LargeMatrix(const MatrixView& matrix)
+    : labels_(matrix.labels.begin(), matrix.labels.end()),
+      values_(matrix.values.data(), matrix.values.data() + matrix.values.size()) {
+  assert(matrix.values.rows() == std::ssize(labels_) &&
+         matrix.values.cols() == std::ssize(labels_));
+}
+
+MetricMatrix Symmetrized(const MatrixView& directed, PairRule rule) {
+  MetricMatrix symmetric{{directed.labels.begin(), directed.labels.end()}, directed.values};
+  Symmetrize(rule, symmetric.values);
   return symmetric;
 }
 
-std::vector<std::vector<Neighbour>> NearestNeighbours(const MetricMatrix& matrix, int count) {
+void Symmetrize(PairRule rule, Eigen::Ref<RowMajorMatrix> values) {
+  assert(values.rows() == values.cols());
+  // Square by square, so that both halves of a large matrix are walked through once.
+  constexpr Eigen::Index kSide = 512;
+  const Eigen::Index count = values.rows();
+  for (Eigen::Index top = 0; top < count; top += kSide) {
+    for (Eigen::Index left = top; left < count; left += kSide) {
+      for (Eigen::Index row = top; row < std::min(top + kSide, count); ++row) {
+        for (Eigen::Index column = std::max(left, row); column < std::min(left + kSide, count);
+             ++column) {
+          const double there = values(row, column);
+          const double back = values(column, row);
+          values(row, column) = Combined(there, back, rule);
+          values(column, row) = Combined(back, there, rule);
+        }
+      }
+    }
+  }
+}
+
+std::vector<std::vector<Neighbour>> NearestNeighbours(const MatrixView& matrix, int count) {
   assert(count >= 0);
   std::vector<std::vector<Neighbour>> neighbours;
   neighbours.reserve(static_cast<size_t>(matrix.values.rows()));

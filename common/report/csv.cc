@@ -156,13 +156,21 @@ std::string CsvRow(std::span<const std::string> fields) {
   return row;
 }
 
-std::string MatrixCsv(const MetricMatrix& matrix, Metric metric) {
+std::string MatrixCsv(const MatrixView& matrix, Metric metric) {
   return MatrixCsv(matrix, MetricName(metric));
 }
 
-std::string MatrixCsv(const MetricMatrix& matrix, std::string_view corner) {
-  const auto count = static_cast<Eigen::Index>(matrix.labels.size());
+std::string MatrixCsv(const MatrixView& matrix, std::string_view corner) {
+  const Eigen::Index count = std::ssize(matrix.labels);
   assert(matrix.values.rows() == count && matrix.values.cols() == count);
+  std::string csv = MatrixCsvHeader(matrix, corner);
+  for (Eigen::Index row = 0; row < count; ++row) {
+    csv += MatrixCsvRow(matrix, row);
+  }
+  return csv;
+}
+
+std::string MatrixCsvHeader(const MatrixView& matrix, std::string_view corner) {
   std::string csv;
   AppendField(corner, csv);
   for (const std::string& label : matrix.labels) {
@@ -170,18 +178,21 @@ std::string MatrixCsv(const MetricMatrix& matrix, std::string_view corner) {
     AppendField(label, csv);
   }
   csv += kLineEnd;
-  for (Eigen::Index row = 0; row < count; ++row) {
-    AppendField(matrix.labels[static_cast<size_t>(row)], csv);
-    for (Eigen::Index column = 0; column < count; ++column) {
-      csv += ',';
-      csv += ShortestDecimal(matrix.values(row, column));
-    }
-    csv += kLineEnd;
-  }
   return csv;
 }
 
-std::string NeighboursCsv(const MetricMatrix& matrix,
+std::string MatrixCsvRow(const MatrixView& matrix, Eigen::Index row) {
+  std::string csv;
+  AppendField(matrix.labels[static_cast<size_t>(row)], csv);
+  for (Eigen::Index column = 0; column < matrix.values.cols(); ++column) {
+    csv += ',';
+    csv += ShortestDecimal(matrix.values(row, column));
+  }
+  csv += kLineEnd;
+  return csv;
+}
+
+std::string NeighboursCsv(const MatrixView& matrix,
                           std::span<const std::vector<Neighbour>> neighbours,
                           std::span<const std::string> persons) {
   assert(neighbours.size() == matrix.labels.size());

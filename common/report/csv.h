@@ -23,15 +23,19 @@ namespace cohort {
 
 /// The matrix: a header of MetricName(metric) and the N labels, then per mesh its label and N
 /// values. Row = source, column = target. In R: read.csv(file, row.names = 1, check.names = FALSE).
-[[nodiscard]] std::string MatrixCsv(const MetricMatrix& matrix, Metric metric);
+[[nodiscard]] std::string MatrixCsv(const MatrixView& matrix, Metric metric);
 /// The same with another word in the corner.
-[[nodiscard]] std::string MatrixCsv(const MetricMatrix& matrix, std::string_view corner);
+[[nodiscard]] std::string MatrixCsv(const MatrixView& matrix, std::string_view corner);
+
+/// Its parts, for a matrix whose text is larger than memory: the header, then row after row.
+[[nodiscard]] std::string MatrixCsvHeader(const MatrixView& matrix, std::string_view corner);
+[[nodiscard]] std::string MatrixCsvRow(const MatrixView& matrix, Eigen::Index row);
 
 /// Ranked neighbours: "mesh,rank,neighbour,value", rank from 1; with persons also
 /// "person,neighbour_person,same_person" (NA where one of them is unknown).
 /// @param neighbours  one list per row of the matrix.
 /// @param persons  one per row, "" for unknown (PersonsOf); none, or all unknown: no such columns.
-[[nodiscard]] std::string NeighboursCsv(const MetricMatrix& matrix,
+[[nodiscard]] std::string NeighboursCsv(const MatrixView& matrix,
                                         std::span<const std::vector<Neighbour>> neighbours,
                                         std::span<const std::string> persons);
 

@@ -28,8 +28,8 @@ constexpr Rgb kBackColor = {213, 94, 0};
 constexpr Rgb kGridColor = {222, 222, 222};
 constexpr double kPercent = 100;
 
-std::vector<double> SortedValues(std::span<const float> distances) {
-  std::vector<double> values;
+ScratchVector<double> SortedValues(std::span<const float> distances) {
+  ScratchVector<double> values;
   for (const float distance : distances) {
     if (!std::isnan(distance)) {
       values.push_back(double{distance});
@@ -42,8 +42,8 @@ std::vector<double> SortedValues(std::span<const float> distances) {
 struct Curve {
   std::string name;
   Rgb color;
-  const std::vector<double>& values;  ///< Ascending.
-  std::vector<double> shares;         ///< Percent of the vertices in each bin.
+  std::span<const double> values;  ///< Ascending.
+  std::vector<double> shares;      ///< Percent of the vertices in each bin.
 };
 
 struct Plot {

@@ -112,7 +112,7 @@ void DrawBar(const HeatmapLayout& layout, Canvas& canvas) {
 
 }  // namespace
 
-absl::StatusOr<std::string> HeatmapPng(const MetricMatrix& matrix,
+absl::StatusOr<std::string> HeatmapPng(const MatrixView& matrix,
                                        const MatrixDescription& description) {
   const auto count = static_cast<Eigen::Index>(matrix.labels.size());
   if (count < 1 || matrix.values.rows() != count || matrix.values.cols() != count) {

@@ -18,7 +18,7 @@ namespace cohort {
 /// a few values far above all others get the last colour, which the picture says.
 /// @return kInvalidArgument if there is no mesh or the sizes of labels and values differ; kInternal
 ///         if cairo fails.
-[[nodiscard]] absl::StatusOr<std::string> HeatmapPng(const MetricMatrix& matrix,
+[[nodiscard]] absl::StatusOr<std::string> HeatmapPng(const MatrixView& matrix,
                                                      const MatrixDescription& description);
 
 }  // namespace cohort

@@ -37,7 +37,7 @@ double BarHeight(const HeatmapLayout& layout) {
   return std::max(MatrixSide(layout), kMinBarHeight);
 }
 
-void AddLabelMarks(const std::vector<std::string>& labels, HeatmapLayout& layout) {
+void AddLabelMarks(std::span<const std::string> labels, HeatmapLayout& layout) {
   layout.mark_style = {std::clamp(layout.cell * 0.82, 6.4, 12.0), FontWeight::kNormal, kInk};
   const auto width = [&](const std::string& text) { return TextWidth(text, layout.mark_style); };
   const std::vector<std::string> fitted = FittedLabels(labels, kMaxLabelWidth, width);
@@ -149,7 +149,7 @@ void Arrange(HeatmapLayout& layout) {
 
 }  // namespace
 
-HeatmapLayout LayOutHeatmap(const MetricMatrix& matrix, const MatrixDescription& description) {
+HeatmapLayout LayOutHeatmap(const MatrixView& matrix, const MatrixDescription& description) {
   const auto count = static_cast<int64_t>(matrix.labels.size());
   HeatmapLayout layout;
   layout.picture = MakeMatrixPicture(matrix.values, kMaxSidePixels);

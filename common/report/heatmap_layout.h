@@ -43,7 +43,7 @@ struct HeatmapLayout {
 };
 
 /// @param matrix  N >= 1 labels and N x N values.
-[[nodiscard]] HeatmapLayout LayOutHeatmap(const MetricMatrix& matrix,
+[[nodiscard]] HeatmapLayout LayOutHeatmap(const MatrixView& matrix,
                                           const MatrixDescription& description);
 
 }  // namespace cohort

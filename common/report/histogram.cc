@@ -218,7 +218,7 @@ void DrawTexts(const Plot& plot,
 
 }  // namespace
 
-absl::StatusOr<std::string> HistogramPng(const MetricMatrix& matrix,
+absl::StatusOr<std::string> HistogramPng(const MatrixView& matrix,
                                          const MatrixDescription& description,
                                          std::span<const std::string> persons) {
   const auto count = std::ssize(matrix.labels);

@@ -19,7 +19,7 @@ namespace cohort {
 ///        are left out, which the picture says, unless nobody is known.
 /// @return kInvalidArgument if the sizes of labels, values and persons differ; kInternal if cairo
 ///         fails.
-[[nodiscard]] absl::StatusOr<std::string> HistogramPng(const MetricMatrix& matrix,
+[[nodiscard]] absl::StatusOr<std::string> HistogramPng(const MatrixView& matrix,
                                                        const MatrixDescription& description,
                                                        std::span<const std::string> persons);
 

@@ -18,7 +18,7 @@ Eigen::Index BlockBegin(Eigen::Index index, Eigen::Index count, Eigen::Index blo
   return index * count / blocks;
 }
 
-double BlockMean(const RowMajorMatrix& values, int side, int row, int column) {
+double BlockMean(const Eigen::Ref<const RowMajorMatrix>& values, int side, int row, int column) {
   const Eigen::Index count = values.rows();
   const Eigen::Index row_end = BlockBegin(row + 1, count, side);
   const Eigen::Index column_end = BlockBegin(column + 1, count, side);
@@ -35,7 +35,7 @@ double BlockMean(const RowMajorMatrix& values, int side, int row, int column) {
   return known > 0 ? sum / static_cast<double>(known) : std::numeric_limits<double>::quiet_NaN();
 }
 
-void Survey(const RowMajorMatrix& values, MatrixPicture& picture) {
+void Survey(const Eigen::Ref<const RowMajorMatrix>& values, MatrixPicture& picture) {
   double smallest = std::numeric_limits<double>::infinity();
   double largest = -smallest;
   for (Eigen::Index row = 0; row < values.rows(); ++row) {
@@ -65,7 +65,7 @@ ValueRange UsableRange(const ValueRange& range) {
   return {middle - kConstantSpread * magnitude, middle + kConstantSpread * magnitude};
 }
 
-MatrixPicture MakeMatrixPicture(const RowMajorMatrix& values, int max_side) {
+MatrixPicture MakeMatrixPicture(const Eigen::Ref<const RowMajorMatrix>& values, int max_side) {
   assert(values.rows() >= 1 && values.rows() == values.cols() && max_side >= 1);
   MatrixPicture picture;
   picture.side = static_cast<int>(std::min<Eigen::Index>(values.rows(), max_side));

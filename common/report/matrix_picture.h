@@ -29,7 +29,8 @@ struct MatrixPicture {
 /// Means over blocks of entries off the diagonal, NaN left out, if the matrix has more than
 /// `max_side` rows; its entries otherwise.
 /// @param values  N x N, N >= 1.
-[[nodiscard]] MatrixPicture MakeMatrixPicture(const RowMajorMatrix& values, int max_side);
+[[nodiscard]] MatrixPicture MakeMatrixPicture(const Eigen::Ref<const RowMajorMatrix>& values,
+                                              int max_side);
 
 /// `range`, widened about its middle if it is empty or too narrow to put ticks on.
 [[nodiscard]] ValueRange UsableRange(const ValueRange& range);

@@ -11,7 +11,9 @@ namespace cohort {
 ///
 /// Version 1.0, '<f8', C order, data from a multiple of 64 bytes on; the same bytes on any machine.
 /// Source: numpy.lib.format, "Format Version 1.0".
-[[nodiscard]] std::string MatrixNpy(const RowMajorMatrix& values);
+[[nodiscard]] std::string MatrixNpy(const Eigen::Ref<const RowMajorMatrix>& values);
+/// Its beginning; the values follow row by row, as they lie in memory.
+[[nodiscard]] std::string NpyHeader(Eigen::Index rows, Eigen::Index columns);
 
 /// One label per line (LF), in the matrix's order. File names hold no line breaks; should a label
 /// hold one, it becomes a space, so that line i is always mesh i.

@@ -33,12 +33,34 @@ void AddPair(double value, const std::string& a, const std::string& b, PairValue
 // Where a class ends for the eye.
 double End(std::span<const double> sorted) {
   if (sorted.empty()) return -std::numeric_limits<double>::infinity();
-  return FarFence(sorted).value_or(sorted.back());
+  return FarFenceOfSorted(sorted).value_or(sorted.back());
+}
+
+// Element `rank` of two ascending lists together, without making one of them.
+double RankedOfBoth(std::span<const double> a, std::span<const double> b, size_t rank) {
+  // How many of a's are among the `rank` before it.
+  size_t low = rank > b.size() ? rank - b.size() : 0;
+  size_t high = std::min(rank, a.size());
+  while (low < high) {
+    const size_t middle = low + (high - low) / 2;
+    if (a[middle] < b[rank - middle - 1]) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  const size_t of_b = rank - low;
+  if (low == a.size()) return b[of_b];
+  return of_b == b.size() ? a[low] : std::min(a[low], b[of_b]);
+}
+
+int64_t CountFrom(double least, std::span<const double> sorted) {
+  return sorted.end() - std::lower_bound(sorted.begin(), sorted.end(), least);
 }
 
 }  // namespace
 
-PairValues CollectPairs(const MetricMatrix& matrix,
+PairValues CollectPairs(const MatrixView& matrix,
                         Symmetrization symmetrization,
                         std::span<const std::string> persons) {
   const Eigen::Index count = matrix.values.rows();
@@ -46,12 +68,16 @@ PairValues CollectPairs(const MetricMatrix& matrix,
   PairValues pairs;
   pairs.by_person =
       std::any_of(persons.begin(), persons.end(), [](const auto& p) { return !p.empty(); });
+  const bool is_directed = symmetrization == Symmetrization::kDirected;
+  const auto pair_count =
+      static_cast<size_t>(count) * static_cast<size_t>(std::max<Eigen::Index>(count - 1, 0));
+  pairs.different.reserve(is_directed ? pair_count : pair_count / 2);
   const std::string nobody;
   const auto person = [&](Eigen::Index i) -> const std::string& {
     return pairs.by_person ? persons[static_cast<size_t>(i)] : nobody;
   };
   for (Eigen::Index row = 0; row < count; ++row) {
-    const Eigen::Index begin = symmetrization == Symmetrization::kDirected ? 0 : row + 1;
+    const Eigen::Index begin = is_directed ? 0 : row + 1;
     for (Eigen::Index column = begin; column < count; ++column) {
       if (row != column) AddPair(matrix.values(row, column), person(row), person(column), pairs);
     }
@@ -69,27 +95,28 @@ double MedianOfSorted(std::span<const double> sorted) {
 }
 
 Bins ChooseBins(const PairValues& pairs) {
-  std::vector<double> all = pairs.same;
-  all.insert(all.end(), pairs.different.begin(), pairs.different.end());
-  if (all.empty()) return {0, 0.1, 10};
-  ValueRange range = QuantileRange(all, 0, 1);
-  range.high = std::min(range.high, std::max(End(pairs.same), End(pairs.different)));
-  const ValueRange quartiles = QuantileRange(all, 0.25, 0.75);
+  const size_t count = pairs.same.size() + pairs.different.size();
+  if (count == 0) return {0, 0.1, 10};
+  const auto quantile = [&](double share) {
+    return RankedOfBoth(pairs.same, pairs.different, QuantileRank(count, share));
+  };
+  const ValueRange range = {quantile(0),
+                            std::min(quantile(1), std::max(End(pairs.same), End(pairs.different)))};
+  const ValueRange quartiles = {quantile(0.25), quantile(0.75)};
   const double extent = range.high - range.low;
   const double magnitude = std::max(std::abs(range.low), std::abs(range.high));
   if (extent <= 1e-9 * magnitude) {
     const double width = magnitude > 0 ? kConstantWidth * magnitude : 0.1;
     return {range.low - 5.5 * width, width, 11};
   }
-  const double rule =
-      2 * (quartiles.high - quartiles.low) / std::cbrt(static_cast<double>(all.size()));
+  const double rule = 2 * (quartiles.high - quartiles.low) / std::cbrt(static_cast<double>(count));
   Bins bins;
   bins.width = NiceStep(std::clamp(rule, extent / kMaxBins, extent / kMinBins) / kHalfOfNiceStep);
   const double first = std::floor(range.low / bins.width);
   bins.first = first * bins.width;
   bins.count = static_cast<int>(std::floor(range.high / bins.width) - first) + 1;
   const double end = (first + bins.count) * bins.width;
-  bins.beyond = std::count_if(all.begin(), all.end(), [end](double value) { return value >= end; });
+  bins.beyond = CountFrom(end, pairs.same) + CountFrom(end, pairs.different);
   return bins;
 }
 

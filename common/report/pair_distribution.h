@@ -6,22 +6,23 @@
 #include <vector>
 
 #include "common/analysis/metric_matrix.h"
+#include "common/base/scratch.h"
 #include "common/jobs/job_spec.h"
 
 namespace cohort {
 
 /// Values of the pairs of a matrix by what is known about their persons; each list ascending.
 struct PairValues {
-  bool by_person = false;         ///< Two classes are told apart; otherwise all are in `different`.
-  std::vector<double> same;       ///< Both meshes of one person.
-  std::vector<double> different;  ///< Of two people; all pairs without persons.
-  int64_t missing = 0;            ///< NaN.
-  int64_t unknown = 0;            ///< Left out: a person is not known.
+  bool by_person = false;      ///< Two classes are told apart; otherwise all are in `different`.
+  ScratchVector<double> same;  ///< Both meshes of one person.
+  ScratchVector<double> different;  ///< Of two people; all pairs without persons.
+  int64_t missing = 0;              ///< NaN.
+  int64_t unknown = 0;              ///< Left out: a person is not known.
 };
 
 /// @param symmetrization  kDirected: both directions of a pair count, otherwise the upper one.
 /// @param persons  one per row, "" for unknown, or none.
-[[nodiscard]] PairValues CollectPairs(const MetricMatrix& matrix,
+[[nodiscard]] PairValues CollectPairs(const MatrixView& matrix,
                                       Symmetrization symmetrization,
                                       std::span<const std::string> persons);
 

@@ -1,6 +1,7 @@
 #include "common/report/quantiles.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <iterator>
 #include <vector>
@@ -21,10 +22,16 @@ std::vector<double> Known(std::span<const double> values) {
 
 // Reorders `values`.
 double Quantile(std::vector<double>& values, double share) {
-  const auto last = static_cast<double>(values.size() - 1);
-  const auto rank = static_cast<std::ptrdiff_t>(std::lround(share * last));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<size_t>(rank)];
+  const size_t rank = QuantileRank(values.size(), share);
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank),
+                   values.end());
+  return values[rank];
+}
+
+std::optional<double> FenceOf(double first_quartile, double third_quartile, double largest) {
+  const double fence = third_quartile + kFenceFactor * (third_quartile - first_quartile);
+  if (third_quartile <= first_quartile || largest <= fence) return std::nullopt;
+  return fence;
 }
 
 }  // namespace
@@ -47,10 +54,18 @@ std::optional<double> FarFence(std::span<const double> values) {
   if (known.size() < kFewestForFence) return std::nullopt;
   const double first_quartile = Quantile(known, 0.25);
   const double third_quartile = Quantile(known, 0.75);
-  const double fence = third_quartile + kFenceFactor * (third_quartile - first_quartile);
-  const double largest = *std::max_element(known.begin(), known.end());
-  if (third_quartile <= first_quartile || largest <= fence) return std::nullopt;
-  return fence;
+  return FenceOf(first_quartile, third_quartile, *std::max_element(known.begin(), known.end()));
+}
+
+std::optional<double> FarFenceOfSorted(std::span<const double> values) {
+  if (values.size() < kFewestForFence) return std::nullopt;
+  return FenceOf(values[QuantileRank(values.size(), 0.25)],
+                 values[QuantileRank(values.size(), 0.75)], values.back());
+}
+
+size_t QuantileRank(size_t count, double share) {
+  assert(count >= 1);
+  return static_cast<size_t>(std::lround(share * static_cast<double>(count - 1)));
 }
 
 }  // namespace cohort

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 
@@ -25,5 +26,10 @@ struct ValueRange {
 /// are too few values (under 8) to tell.
 /// Source: Tukey 1977, the idea of fences; his factors are 1.5 and 3.
 [[nodiscard]] std::optional<double> FarFence(std::span<const double> values);
+/// The same of ascending values without NaN.
+[[nodiscard]] std::optional<double> FarFenceOfSorted(std::span<const double> values);
+
+/// Which of `count` ascending values (count >= 1) is the quantile `share` (0..1, nearest rank).
+[[nodiscard]] size_t QuantileRank(size_t count, double share);
 
 }  // namespace cohort

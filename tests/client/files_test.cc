@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -52,6 +53,34 @@ TEST_F(FilesTest, WritesReadsAndHashesTheSameBytes) {
   EXPECT_EQ(hashed->size_bytes, 4);
   ASSERT_THAT(WriteWholeFile(folder_ / "f", ""), IsOk());
   EXPECT_THAT(ReadWholeFile(folder_ / "f"), IsOkAndHolds(std::string()));
+}
+
+TEST_F(FilesTest, AWriterThatIsNotFinishedLeavesTheOldFileAlone) {
+  ASSERT_THAT(WriteWholeFile(folder_ / "f", "old"), IsOk());
+  {
+    auto writer = FileWriter::Create(folder_ / "f");
+    ASSERT_THAT(writer, IsOk());
+    ASSERT_THAT(writer->Append("new"), IsOk());
+    EXPECT_THAT(ReadWholeFile(folder_ / "f"), IsOkAndHolds("old"));
+  }
+  EXPECT_THAT(ReadWholeFile(folder_ / "f"), IsOkAndHolds("old"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+TEST_F(FilesTest, AWriterPutsItsPartsTogether) {
+  auto writer = FileWriter::Create(folder_ / "f");
+  ASSERT_THAT(writer, IsOk());
+  ASSERT_THAT(writer->Append("one "), IsOk());
+  ASSERT_THAT(writer->Append("two"), IsOk());
+  EXPECT_FALSE(fs::exists(folder_ / "f"));
+  ASSERT_THAT(writer->Finish(), IsOk());
+  EXPECT_THAT(ReadWholeFile(folder_ / "f"), IsOkAndHolds("one two"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+TEST_F(FilesTest, AWriterWithoutAFolderNamesItsFile) {
+  EXPECT_THAT(FileWriter::Create(folder_ / "gone" / "f"),
+              StatusIs(absl::StatusCode::kNotFound, "gone/f"));
 }
 
 TEST_F(FilesTest, AFolderThatCannotBeMadeIsNamed) {

@@ -36,7 +36,14 @@ bool TellsGroupsApart(const Groups& groups) {
 ReportAnalysis Analyze(const ReportInput& input) {
   ReportAnalysis analysis;
   analysis.flags = FindFlags(input);
-  analysis.undirected = input.matrix;
+  if (std::ssize(input.matrix.labels) > kMostAnalyzed) {
+    analysis.no_tree = "Left out of this report for more than " + std::to_string(kMostAnalyzed) +
+                       " meshes; dendrogram.newick beside it has the tree of up to " +
+                       std::to_string(kMostClustered) + ".";
+    return analysis;
+  }
+  analysis.undirected = {{input.matrix.labels.begin(), input.matrix.labels.end()},
+                         input.matrix.values};
   if (input.description.sign == DistanceSign::kSigned) {
     analysis.no_tree = "Signed values are no distances: there is no clustering of them.";
     return analysis;

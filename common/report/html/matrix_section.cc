@@ -46,7 +46,7 @@ struct CodedMatrix {
   }
 };
 
-CodedMatrix Encode(const RowMajorMatrix& values,
+CodedMatrix Encode(const Eigen::Ref<const RowMajorMatrix>& values,
                    const MatrixPicture& picture,
                    int bits,
                    Symmetrization pairs) {

@@ -12,7 +12,7 @@ namespace {
 constexpr double kSmallOverlap = 0.7;
 
 // Mean of each row of the matrix without the diagonal and NaN; NaN if nothing is left.
-std::vector<double> RowMeans(const RowMajorMatrix& values) {
+std::vector<double> RowMeans(const Eigen::Ref<const RowMajorMatrix>& values) {
   std::vector<double> means;
   for (Eigen::Index row = 0; row < values.rows(); ++row) {
     double sum = 0;

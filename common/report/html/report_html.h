@@ -21,7 +21,7 @@ struct ReportInput {
   const Job& job;
   std::span<const JobMesh> meshes;  ///< The job's order, rejected ones too.
   std::span<const MeshAlignment> alignments;
-  const MetricMatrix& matrix;                          ///< Of the meshes that were not rejected.
+  MatrixView matrix;                                   ///< Of the meshes that were not rejected.
   MatrixDescription description;                       ///< What its values are.
   std::span<const std::string> persons;                ///< One per row, "" for unknown.
   std::span<const std::vector<Neighbour>> neighbours;  ///< One list per row; none: left out.
@@ -40,7 +40,8 @@ struct ReportInput {
 /// Summary and parameters, health of the files with the flagged ones first, heat map, neighbours
 /// with thumbnails, dendrogram, principal coordinates by label, distribution of the pairs,
 /// identification and verification where persons are known, mean shape and variation, registration.
-/// What cannot be made of this job (a cell without a value, too few meshes) is named in its place.
+/// What cannot be made of this job (a cell without a value, too few or too many meshes) is named in
+/// its place.
 /// @param executor  for the pictures.
 /// @return kInvalidArgument if sizes disagree; kInternal if a picture cannot be drawn.
 [[nodiscard]] absl::StatusOr<std::string> ReportHtml(const ReportInput& input, Executor& executor);

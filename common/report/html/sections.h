@@ -16,10 +16,14 @@ namespace cohort {
 
 // The parts of the report; each is a <section>, or empty if this job has nothing of the kind.
 
+/// More meshes than this get no tree and no rates of errors: nobody could look at the one, and both
+/// need the matrix several times over.
+inline constexpr int64_t kMostAnalyzed = 5000;
+
 /// What several parts need.
 struct ReportAnalysis {
   std::vector<MeshFlags> flags;    ///< One per mesh of the job.
-  MetricMatrix undirected;         ///< The matrix with one value a pair; as it is if signed.
+  MetricMatrix undirected;         ///< The matrix with one value a pair; empty: too many meshes.
   std::vector<int64_t> rows;       ///< Of the matrix without missing cells, ascending.
   MetricMatrix complete;           ///< `undirected` of `rows`.
   std::optional<Dendrogram> tree;  ///< Of `complete`.

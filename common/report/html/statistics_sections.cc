@@ -163,7 +163,8 @@ std::string OrdinationSection(const ReportInput& input, const ReportAnalysis& an
   const std::string title = "Principal coordinates";
   if (input.matrix.labels.size() < 3) return "";
   if (input.description.sign == DistanceSign::kSigned) return "";
-  if (std::ssize(analysis.rows) > kMostOrdinated) {
+  if (std::ssize(input.matrix.labels) > kMostAnalyzed ||
+      std::ssize(analysis.rows) > kMostOrdinated) {
     return HtmlSection("ordination", title,
                        HtmlHint("Left out of this report for more than " +
                                 std::to_string(kMostOrdinated) + " meshes."));
@@ -213,6 +214,13 @@ std::string IdentificationSection(const ReportInput& input, const ReportAnalysis
   std::set<std::string> known(persons.begin(), persons.end());
   known.erase("");
   if (known.size() < 2) return "";
+  const std::string title = "Identification and verification";
+  if (std::ssize(persons) > kMostAnalyzed) {
+    return HtmlSection(
+        "identification", title,
+        HtmlHint("Left out of this report for more than " + std::to_string(kMostAnalyzed) +
+                 " meshes; cohort analyze --by person has it."));
+  }
   const Identities identities{persons, {}};
   const auto ranks = IdentifyPersons(analysis.undirected, identities, Gallery::kAllOthers);
   const auto scores = CollectScores(analysis.undirected, identities, Gallery::kAllOthers);
@@ -220,7 +228,7 @@ std::string IdentificationSection(const ReportInput& input, const ReportAnalysis
   const absl::StatusOr<Verification> rates = VerifyPairs(*scores);
   if (!rates.ok()) return "";
   return HtmlSection(
-      "identification", "Identification and verification",
+      "identification", title,
       HtmlHint("Each mesh is sought among all others; each pair is taken for one person if its "
                "value is at or below a threshold.") +
           NumbersTable(*ranks, *rates, *scores, input) + "<div class=\"plots\">\n" +

@@ -36,7 +36,7 @@ std::string NearestSamePerson(const ReportInput& input) {
 
 std::string DistanceFigures(const ReportInput& input) {
   const PairValues pairs = CollectPairs(input.matrix, input.description.symmetrization, {});
-  const std::vector<double>& values = pairs.different;
+  const std::span<const double> values = pairs.different;
   if (values.empty()) return "";
   const auto number = [&](double value) {
     return WithUnit(ReadableDecimal(value, 3), input.description);

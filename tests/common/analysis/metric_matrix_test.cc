@@ -1,5 +1,6 @@
 #include "common/analysis/metric_matrix.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -44,6 +45,57 @@ std::vector<int64_t> Columns(const std::vector<Neighbour>& neighbours) {
     columns.push_back(neighbour.column);
   }
   return columns;
+}
+
+TEST(LargeMatrix, KnowsNothingAtFirst) {
+  LargeMatrix matrix({"a", "b"});
+  EXPECT_TRUE(matrix.View().values.array().isNaN().all());
+  matrix.Values()(1, 0) = 3;
+  EXPECT_EQ(matrix.View().values(1, 0), 3);
+  EXPECT_TRUE(std::isnan(matrix.View().values(0, 1)));
+  EXPECT_EQ(matrix.View().labels[1], "b");
+}
+
+TEST(LargeMatrix, IsACopyThatCanBeChanged) {
+  const MetricMatrix first = ThreeMeshes();
+  LargeMatrix copy(first);
+  EXPECT_EQ(copy.Labels(), first.labels);
+  EXPECT_EQ(copy.View().values(0, 2), 4);
+  copy.Values()(0, 2) = 7;
+  EXPECT_EQ(first.values(0, 2), 4);
+}
+
+TEST(MatrixView, OfNothingIsEmpty) {
+  const MatrixView nothing;
+  EXPECT_EQ(nothing.values.size(), 0);
+  EXPECT_TRUE(nothing.labels.empty());
+}
+
+// More than one square of the walk, and one that is cut off.
+TEST(Symmetrize, DoesEveryPairOfALargeMatrixOnce) {
+  constexpr Eigen::Index kCount = 1100;
+  RowMajorMatrix directed = RandomMatrix(kCount, 3);
+  directed(1, 1050) = kNaN;
+  directed(700, 2) = 0.0;
+  directed(2, 700) = -0.0;
+  for (const PairRule rule : {PairRule::kMean, PairRule::kMax}) {
+    RowMajorMatrix symmetric = directed;
+    Symmetrize(rule, symmetric);
+    for (Eigen::Index row = 0; row < kCount; ++row) {
+      for (Eigen::Index column = 0; column < kCount; ++column) {
+        const double there = directed(row, column);
+        const double back = directed(column, row);
+        const double expected =
+            rule == PairRule::kMean ? 0.5 * (there + back) : std::max(there, back);
+        if (std::isnan(there) || std::isnan(back)) {
+          ASSERT_TRUE(std::isnan(symmetric(row, column))) << row << ", " << column;
+        } else {
+          ASSERT_EQ(symmetric(row, column), expected) << row << ", " << column;
+          ASSERT_EQ(std::signbit(symmetric(row, column)), std::signbit(expected));
+        }
+      }
+    }
+  }
 }
 
 TEST(Symmetrized, TakesTheMeanOfBothDirections) {

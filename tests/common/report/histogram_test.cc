@@ -1,9 +1,12 @@
 #include "common/report/histogram.h"
 
+#include <algorithm>
 #include <limits>
+#include <vector>
 
 #include <gmock/gmock.h>
 
+#include "common/base/random.h"
 #include "common/report/canvas.h"
 #include "common/report/pair_distribution.h"
 #include "tests/common/report/png_pixels.h"
@@ -33,11 +36,11 @@ MetricMatrix FourMeshes() {
   return matrix;
 }
 
-PairValues Pairs(std::vector<double> same, std::vector<double> different) {
+PairValues Pairs(const std::vector<double>& same, const std::vector<double>& different) {
   PairValues pairs;
   pairs.by_person = true;
-  pairs.same = std::move(same);
-  pairs.different = std::move(different);
+  pairs.same.assign(same.begin(), same.end());
+  pairs.different.assign(different.begin(), different.end());
   return pairs;
 }
 
@@ -98,6 +101,29 @@ TEST(ChooseBins, AreNiceAndHoldEveryValueOnce) {
   int64_t sum = 0;
   for (const int64_t count : counts) sum += count;
   EXPECT_EQ(sum, 1000);
+}
+
+// The quartiles of two lists are found without joining them.
+TEST(ChooseBins, OfTwoClassesAreThoseOfAllValuesTogether) {
+  Random random(9);
+  for (const int of_same : {0, 1, 2, 7, 300, 999, 1000}) {
+    std::vector<double> same;
+    std::vector<double> different;
+    for (int i = 0; i < 1000; ++i) {
+      (i < of_same ? same : different).push_back(random.Uniform(0, i < of_same ? 2 : 3));
+    }
+    std::vector<double> all = same;
+    all.insert(all.end(), different.begin(), different.end());
+    for (std::vector<double>* values : {&same, &different, &all}) {
+      std::sort(values->begin(), values->end());
+    }
+    const Bins apart = ChooseBins(Pairs(same, different));
+    const Bins together = ChooseBins(Pairs({}, all));
+    EXPECT_EQ(apart.first, together.first) << of_same;
+    EXPECT_EQ(apart.width, together.width) << of_same;
+    EXPECT_EQ(apart.count, together.count) << of_same;
+    EXPECT_EQ(apart.beyond, together.beyond) << of_same;
+  }
 }
 
 TEST(ChooseBins, SurroundASingleValue) {

@@ -1,5 +1,6 @@
 #include "common/report/quantiles.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -56,6 +57,18 @@ TEST(FarFence, NeedsEnoughValuesThatDiffer) {
   std::vector<double> values(100, 1.0);
   values[0] = 1000;
   EXPECT_FALSE(FarFence(values).has_value());
+}
+
+TEST(FarFence, OfSortedValuesIsTheSame) {
+  for (const int count : {0, 5, 20, 101}) {
+    std::vector<double> values = CountTo(count);
+    for (const double far : {50.0, 1e6}) {
+      values.back() = far;
+      std::sort(values.begin(), values.end());
+      EXPECT_EQ(FarFenceOfSorted(values), FarFence(values)) << count << " to " << far;
+    }
+  }
+  EXPECT_FALSE(FarFenceOfSorted({}).has_value());
 }
 
 }  // namespace

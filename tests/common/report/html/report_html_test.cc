@@ -314,5 +314,18 @@ TEST(ReportHtml, RefusesSizesThatDisagree) {
   EXPECT_THAT(example.Html(), StatusIs(absl::StatusCode::kInvalidArgument, "3 persons"));
 }
 
+TEST(ReportHtml, SaysWhatIsLeftOutOfThousandsOfMeshes) {
+  Example example(5001);
+  std::vector<std::string> persons;
+  persons.reserve(5001);
+  for (int i = 0; i < 5001; ++i) persons.push_back(absl::StrCat("p", i / 2));
+  example.SetPersons(persons);
+  const std::string html = HtmlOf(example);
+  EXPECT_THAT(Section(html, "dendrogram"), HasSubstr("more than 5000 meshes"));
+  EXPECT_THAT(Section(html, "ordination"), HasSubstr("more than 1000 meshes"));
+  EXPECT_THAT(Section(html, "identification"), HasSubstr("more than 5000 meshes"));
+  EXPECT_THAT(Section(html, "distribution"), HasSubstr("<svg"));
+}
+
 }  // namespace
 }  // namespace cohort
